@@ -1,0 +1,16 @@
+//! Fixed-point motion control, as it runs every 50 µs on a microcontroller without floating point.
+//!
+//! - [`ramp`]: the trapezoidal ramp generator of positioning and velocity mode.
+//! - [`sine`]: the current vector that points a stepper's field somewhere.
+//!
+//! This crate must never know parameter numbers, TMCL, or floating point; and never physics: a sign error made on both
+//! sides would cancel out. Nothing here allocates or panics; each call does a bounded amount of work.
+#![no_std]
+#![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::float_arithmetic)]
+
+pub mod ramp;
+pub mod sine;
+
+/// Control periods in a second: one every 50 µs.
+pub const TICKS_PER_SECOND: i64 = 20_000;

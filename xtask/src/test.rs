@@ -1,0 +1,131 @@
+//! `cargo xtask test`: every check in order, each with its time, and a summary at the end.
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+
+use crate::{codegen, layering, workspace_root};
+
+/// A step: its name and what it does.
+type Step = (&'static str, fn() -> Result<()>);
+
+const STEPS: &[Step] = &[
+    ("format", || cargo(&["fmt", "--all", "--check"])),
+    ("layering", layering::run),
+    ("clippy", || cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
+    ("codegen", || codegen::run(codegen::Mode::Check)),
+    ("tests", || cargo(&["test", "--workspace", "--all-targets"])),
+    ("doc tests", || cargo(&["test", "--workspace", "--doc"])),
+    ("documentation", documentation),
+    ("release build", || cargo(&["build", "--release"])),
+    ("whole-system tests", || {
+        cargo(&["test", "--release", "--package", "module-firmware", "--package", "virtual-bench"])
+    }),
+    ("real clients", real_clients),
+    ("fuzz", fuzz),
+];
+
+/// Runs the steps whose name contains `only`; stops at nothing, fails if one failed.
+pub(crate) fn run(only: Option<&str>) -> Result<()> {
+    let steps: Vec<_> =
+        STEPS.iter().filter(|(name, _)| only.is_none_or(|part| name.contains(part))).collect();
+    if steps.is_empty() {
+        let names: Vec<_> = STEPS.iter().map(|(name, _)| *name).collect();
+        bail!("no step of that name; there are: {}", names.join(", "));
+    }
+    let mut lines = Vec::new();
+    let mut failed = 0;
+    for (name, step) in &steps {
+        eprintln!("\n── {name}");
+        let start = Instant::now();
+        let outcome = step();
+        let seconds = start.elapsed().as_secs_f64();
+        match outcome {
+            Ok(()) => lines.push(format!("  ok      {name} ({seconds:.1} s)")),
+            Err(error) => {
+                failed += 1;
+                eprintln!("{name}: {error:#}");
+                lines.push(format!("  FAILED  {name} ({seconds:.1} s): {}", first_line(&error)));
+            }
+        }
+    }
+    println!("\nSummary\n{}\n", lines.join("\n"));
+    println!("{} passed, {failed} failed", steps.len() - failed);
+    if failed > 0 { bail!("{failed} of {} steps failed", steps.len()) } else { Ok(()) }
+}
+
+fn first_line(error: &anyhow::Error) -> String {
+    format!("{error:#}").lines().next().unwrap_or_default().to_owned()
+}
+
+fn cargo(arguments: &[&str]) -> Result<()> {
+    check(Command::new(env!("CARGO")).args(arguments))
+}
+
+fn documentation() -> Result<()> {
+    check(
+        Command::new(env!("CARGO"))
+            .args(["doc", "--workspace", "--no-deps", "--document-private-items"])
+            .env("RUSTDOCFLAGS", "-D warnings -A rustdoc::private_intra_doc_links"),
+    )
+}
+
+/// PyTrinamic, unmodified, against `tmcl serve`, in a virtual environment under `target/`.
+fn real_clients() -> Result<()> {
+    let python = virtual_environment()?;
+    check(
+        Command::new(python)
+            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/clients"])
+            .env("TMCL", workspace_root().join("target/release/tmcl"))
+            .env("PYTHONDONTWRITEBYTECODE", "1"),
+    )
+}
+
+fn virtual_environment() -> Result<PathBuf> {
+    let folder = workspace_root().join("target/venv");
+    let python = folder.join("bin/python");
+    let requirements = "tests/clients/requirements.txt";
+    if !python.exists() {
+        eprintln!("creating a Python environment in {}", folder.display());
+        let made = check(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
+        made.context("python3 with venv is missing: `apt-get install python3-venv` (Debian, Ubuntu), `brew install python` (macOS)")?;
+    }
+    eprintln!("installing {requirements} into {}", folder.display());
+    let install =
+        ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", requirements];
+    check(Command::new(&python).args(install)).context("pip needs to reach a Python package index")?;
+    Ok(python)
+}
+
+/// Each fuzz target for a few seconds, from an empty corpus: a smoke run, not a campaign.
+fn fuzz() -> Result<()> {
+    let tools = workspace_root().join("target/tools");
+    let cargo_fuzz = tools.join("bin/cargo-fuzz");
+    if !cargo_fuzz.exists() {
+        eprintln!("installing cargo-fuzz into {}", tools.display());
+        let install = ["install", "--quiet", "--locked", "cargo-fuzz", "--root"];
+        check(Command::new(env!("CARGO")).args(install).arg(&tools))
+            .context("cargo needs to reach crates.io")?;
+    }
+    for target in ["serial_decoder", "firmware_bytes"] {
+        check(
+            Command::new(&cargo_fuzz)
+                .args(["run", target, "--", "-max_total_time=10", "-verbosity=0"])
+                .env("RUSTC_BOOTSTRAP", "1"),
+        )
+        .context("a C++ compiler is needed to link libFuzzer: `apt-get install g++`")?;
+    }
+    Ok(())
+}
+
+fn check(command: &mut Command) -> Result<()> {
+    let shown = format!("{command:?}");
+    let status =
+        command.current_dir(workspace_root()).status().with_context(|| format!("starting {shown}"))?;
+    if !status.success() {
+        bail!("{shown} ended with {status}");
+    }
+    Ok(())
+}
