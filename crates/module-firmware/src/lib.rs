@@ -1,1 +1,35 @@
+//! The firmware of TMCL modules, as it would run on their Cortex-M3.
+//!
+//! A module is a pure state machine, [`Firmware`]: bytes go in with [`Firmware::receive`] and come out with
+//! [`Firmware::transmit`]; every 50 µs [`Firmware::tick`] takes what the sensors say and returns what the power stage
+//! shall do; [`Firmware::background`] does what takes long, one EEPROM record at a time. What differs between modules is
+//! an [`Axis`]; there is one dispatcher for all of them, and one way in for every request.
+//!
+//! This crate must never know of simulation, files or wall-clock time. It allocates nothing and never panics. All state
+//! is plain `Clone` data: a snapshot is a clone.
+#![no_std]
+#![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod axis;
+mod calculator;
+mod coordinates;
+mod dispatch;
+mod firmware;
+mod globals;
+mod port;
+mod power_on;
+mod ring;
+mod storage;
+pub mod tmcm_1311;
+mod values;
+
+pub use axis::{Axis, Motion, Refused};
+pub use firmware::Firmware;
+pub use port::{PORTS, PortId};
+pub use storage::{RecordKey, Storage, StorageError};
+
+/// Control periods in a second: one every 50 µs.
+pub const TICKS_PER_SECOND: u64 = 20_000;
+
+/// Control periods in a millisecond.
+pub const TICKS_PER_MS: u64 = TICKS_PER_SECOND / 1000;

@@ -56,6 +56,12 @@ pub struct Decoder {
 }
 
 impl Decoder {
+    /// In step, with nothing heard yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { bytes: [0; DATAGRAM_LENGTH], length: 0, hunting: false, last_byte_at: 0 }
+    }
+
     /// Takes the byte that arrived at `now`. Constant work; never panics.
     pub fn push(&mut self, byte: u8, now: u64, listener: &Listener) -> Option<Event> {
         if now.saturating_sub(self.last_byte_at) > listener.silence {

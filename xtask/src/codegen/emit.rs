@@ -150,8 +150,9 @@ fn globals_enum(tables: &Tables) -> String {
     for entry in globals.values() {
         let _ = write!(text, "Self::{},", camel(&entry.id));
     }
-    text +=
-        "];\n\n/// Its bank and number.\n#[must_use] pub const fn address(self) -> (u8, u8) { match self {\n";
+    text += "];\n\n/// How many there are.\npub const COUNT: usize = Self::ALL.len();\n\n\
+         /// Its place among them, less than [`Self::COUNT`].\n#[must_use] pub const fn index(self) -> usize { self as usize }\n\n\
+         /// Its bank and number.\n#[must_use] pub const fn address(self) -> (u8, u8) { match self {\n";
     for ((bank, number), entry) in &globals {
         let _ = writeln!(text, "Self::{} => ({bank}, {number}),", camel(&entry.id));
     }
@@ -174,6 +175,11 @@ fn module_file(tables: &Tables, module: &Module) -> String {
     text += "impl AxisParameter { /// What the tables say about it.\n#[must_use] pub fn spec(self) -> &'static ParameterSpec { match self {\n";
     for (index, entry) in module.axis.iter().enumerate() {
         let _ = writeln!(text, "Self::{} => &AXIS_PARAMETERS[{index}],", camel(&entry.id));
+    }
+    text += "} }\n\n/// How many there are.\npub const COUNT: usize = Self::ALL.len();\n\n\
+        /// Its place among them, less than [`Self::COUNT`].\n#[must_use] pub const fn index(self) -> usize { match self {\n";
+    for (index, entry) in module.axis.iter().enumerate() {
+        let _ = writeln!(text, "Self::{} => {index},", camel(&entry.id));
     }
     text += "} } }\n\n";
     text += &port_enum(module);

@@ -396,7 +396,7 @@ pub static COMMANDS: [CommandSpec; 56] = [
         modes: Modes { direct: true, program: true },
         starts_motion: true,
         repeat_safe: false,
-        note: "REL is relative to what axis parameter 127 selects (TMCM-1640: to axis parameter 1)",
+        note: "REL is relative to what axis parameter 127 selects (TMCM-1640: to axis parameter 1). The first example of TMCM-1311 §5.7.4 prints 9000 and encodes 90000",
     },
     CommandSpec {
         command: Command::SetAxisParameter,
@@ -791,7 +791,7 @@ pub static COMMANDS: [CommandSpec; 56] = [
         modes: Modes { direct: false, program: true },
         starts_motion: false,
         repeat_safe: false,
-        note: "",
+        note: "With TICKS the motor byte means nothing (TMCM-1311 §5.7.22)",
     },
     CommandSpec {
         command: Command::Stop,

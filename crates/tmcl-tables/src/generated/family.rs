@@ -244,6 +244,15 @@ impl GlobalParameter {
         Self::Input7Edge,
     ];
 
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// Its place among them, less than [`Self::COUNT`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
     /// Its bank and number.
     #[must_use]
     pub const fn address(self) -> (u8, u8) {

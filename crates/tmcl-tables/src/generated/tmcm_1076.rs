@@ -148,6 +148,38 @@ impl AxisParameter {
             Self::LoadValue => &AXIS_PARAMETERS[21],
         }
     }
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// Its place among them, less than [`Self::COUNT`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::MaxCurrent => 0,
+            Self::StandbyCurrent => 1,
+            Self::StandbyCurrentDelay => 2,
+            Self::HighVelocityThreshold => 3,
+            Self::Tstep => 4,
+            Self::StealthchopVelocityLimit => 5,
+            Self::Pwmconf => 6,
+            Self::Coolconf => 7,
+            Self::Chopconf => 8,
+            Self::MicrostepResolution => 9,
+            Self::MicrostepInterpolation => 10,
+            Self::DoubleEdgeSteps => 11,
+            Self::CoolstepMinCurrent => 12,
+            Self::CoolstepDownStep => 13,
+            Self::CoolstepHysteresis => 14,
+            Self::CoolstepUpStep => 15,
+            Self::CoolstepHysteresisStart => 16,
+            Self::Stallguard2Filter => 17,
+            Self::Stallguard2Threshold => 18,
+            Self::CoolstepActualCurrent => 19,
+            Self::CoolstepThresholdVelocity => 20,
+            Self::LoadValue => 21,
+        }
+    }
 }
 
 /// An input or output of the TMCM-1076.
@@ -266,7 +298,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 22] = [
         repeat_safe: true,
         section: "2.3, 4, 5.2, 5.4",
         beyond_manual: "",
-        note: "",
+        note: "The two seconds of chapter 6.2 are a leftover of another module: AP 9 sets the delay",
     },
     ParameterSpec {
         number: 9,
@@ -425,7 +457,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 22] = [
         repeat_safe: true,
         section: "4, 5.4",
         beyond_manual: "",
-        note: "Its default contradicts those of AP 168 to 174, which are in effect until either is written; then both are views of one register",
+        note: "Its default contradicts those of AP 168 to 174, which are in effect until either is written; then both are views of one register. STGP and RSGP in the text stand for STAP and RSAP, TMC5130 for TMC5160",
     },
     ParameterSpec {
         number: 139,

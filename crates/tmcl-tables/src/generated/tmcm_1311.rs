@@ -55,9 +55,9 @@ pub enum AxisParameter {
     I2tLimit = 26,
     /// Present sum of the I²t monitor.
     I2tSum = 27,
-    /// How often the I²t limit was exceeded.
+    /// Goes up by one every second while the I²t sum is above its limit.
     I2tExceedCounter = 28,
-    /// Writing any value clears the I²t flag, bit 13 of axis parameter 18.
+    /// Writing any value clears the I²t flag, bit 13 of axis parameter 18, once the time of axis parameter 25 has passed.
     ClearI2tFlag = 29,
     /// Measured velocity from which on the commutation angle grows beyond 90°.
     FieldWeakeningMinVelocity = 108,
@@ -99,7 +99,7 @@ pub enum AxisParameter {
     RampMode = 128,
     /// Open or closed loop; switching to closed loop initializes it, axis parameter 133 tells when it is ready.
     ClosedLoopMode = 129,
-    /// Velocity at which ramps begin and end; from the target velocity on there is no ramp.
+    /// Velocity at which ramps begin and end; when it equals the target velocity there is no ramp.
     StartStopVelocity = 130,
     /// Velocity measured by the encoder.
     MeasuredVelocity = 131,
@@ -123,7 +123,7 @@ pub enum AxisParameter {
     TorqueStartStopCurrent = 141,
     /// How an active stop or reference switch stops the motor: at once, or with a ramp.
     SoftStop = 149,
-    /// Peak motor current: root of the squared sum of axis parameters 151 and 152.
+    /// Peak motor current: root of the sum of the squares of axis parameters 151 and 152.
     MotorCurrent = 150,
     /// Instantaneous current of phase A, with sign.
     PhaseACurrent = 151,
@@ -177,7 +177,7 @@ pub enum AxisParameter {
     StopOnStallVelocity = 181,
     /// Velocity above which coolStep works.
     CoolstepThresholdVelocity = 182,
-    /// Current below axis parameter 182, scaled like axis parameter 6; 0 = that of axis parameter 6.
+    /// Current below axis parameter 182 while coolStep is on, scaled like axis parameter 6; 0 = that of axis parameter 6.
     CoolstepSlowRunCurrent = 183,
     /// Switches a reference search looks for, and how; adding 128 inverts the home switch.
     ReferenceSearchMode = 193,
@@ -573,6 +573,123 @@ impl AxisParameter {
             Self::StepDirMode => &AXIS_PARAMETERS[106],
         }
     }
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// Its place among them, less than [`Self::COUNT`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::TargetPosition => 0,
+            Self::ActualPosition => 1,
+            Self::TargetVelocity => 2,
+            Self::ActualVelocity => 3,
+            Self::MaxVelocity => 4,
+            Self::MaxAcceleration => 5,
+            Self::MaxCurrent => 6,
+            Self::StandbyCurrent => 7,
+            Self::PositionReached => 8,
+            Self::HomeSwitch => 9,
+            Self::RightLimitSwitch => 10,
+            Self::LeftLimitSwitch => 11,
+            Self::RightLimitSwitchDisable => 12,
+            Self::LeftLimitSwitchDisable => 13,
+            Self::TorqueTargetCurrent => 14,
+            Self::MaxPossibleCurrent => 15,
+            Self::VelocityReached => 16,
+            Self::VelocityReachedWindow => 17,
+            Self::StatusWord => 18,
+            Self::TorqueActualCurrent => 19,
+            Self::TorqueCurrentSlope => 20,
+            Self::ThermalWindingTimeConstant => 21,
+            Self::I2tLimit => 22,
+            Self::I2tSum => 23,
+            Self::I2tExceedCounter => 24,
+            Self::ClearI2tFlag => 25,
+            Self::FieldWeakeningMinVelocity => 26,
+            Self::FieldWeakeningMaxVelocity => 27,
+            Self::EncoderOffset => 28,
+            Self::CurrentScaleMin => 29,
+            Self::CurrentScaleMax => 30,
+            Self::CurrentScaleInput => 31,
+            Self::CurrentScaleLowerErrorLimit => 32,
+            Self::CurrentScaleUpperErrorLimit => 33,
+            Self::CurrentScaleIncrement => 34,
+            Self::CurrentScaleDecrement => 35,
+            Self::CurrentScaleIncrementDelay => 36,
+            Self::CurrentScaleDecrementDelay => 37,
+            Self::CurrentScaleEnable => 38,
+            Self::ActualCurrentScale => 39,
+            Self::CorrectionVelocityP => 40,
+            Self::MaxFollowingError => 41,
+            Self::MaxCorrectionVelocity => 42,
+            Self::RelativePositioningOption => 43,
+            Self::RampMode => 44,
+            Self::ClosedLoopMode => 45,
+            Self::StartStopVelocity => 46,
+            Self::MeasuredVelocity => 47,
+            Self::EncoderInitialization => 48,
+            Self::ClosedLoopInitialized => 49,
+            Self::PositionReachedWindow => 50,
+            Self::PositionReachedTime => 51,
+            Self::StandstillGain => 52,
+            Self::StandstillDamping => 53,
+            Self::StandstillErrorLimit => 54,
+            Self::MicrostepResolution => 55,
+            Self::TorqueStartStopCurrent => 56,
+            Self::SoftStop => 57,
+            Self::MotorCurrent => 58,
+            Self::PhaseACurrent => 59,
+            Self::PhaseBCurrent => 60,
+            Self::SupplyVoltage => 61,
+            Self::DcCurrent => 62,
+            Self::ModuleTemperature => 63,
+            Self::ChopperBlankTime => 64,
+            Self::ChopperMode => 65,
+            Self::ChopperHysteresisDecrement => 66,
+            Self::ChopperHysteresisEnd => 67,
+            Self::ChopperHysteresisStart => 68,
+            Self::ChopperOffTime => 69,
+            Self::CoolstepMinCurrent => 70,
+            Self::CoolstepDownStep => 71,
+            Self::CoolstepHysteresis => 72,
+            Self::CoolstepUpStep => 73,
+            Self::CoolstepHysteresisStart => 74,
+            Self::Stallguard2Filter => 75,
+            Self::Stallguard2Threshold => 76,
+            Self::SlopeControlHighSide => 77,
+            Self::SlopeControlLowSide => 78,
+            Self::ShortProtectionDisable => 79,
+            Self::ShortDetectionTime => 80,
+            Self::Vsense => 81,
+            Self::CoolstepActualCurrent => 82,
+            Self::StopOnStallVelocity => 83,
+            Self::CoolstepThresholdVelocity => 84,
+            Self::CoolstepSlowRunCurrent => 85,
+            Self::ReferenceSearchMode => 86,
+            Self::ReferenceSearchVelocity => 87,
+            Self::ReferenceSwitchVelocity => 88,
+            Self::EndSwitchDistance => 89,
+            Self::ClearOnNull => 90,
+            Self::BoostCurrent => 91,
+            Self::EncoderMode => 92,
+            Self::MotorFullSteps => 93,
+            Self::FreewheelingDelay => 94,
+            Self::LoadValue => 95,
+            Self::EncoderDeviationFlag => 96,
+            Self::DriverErrorFlags => 97,
+            Self::EncoderCounter => 98,
+            Self::EncoderResolution => 99,
+            Self::MaxEncoderDeviation => 100,
+            Self::PowerDownDelay => 101,
+            Self::Gamma => 102,
+            Self::VirtualPosition => 103,
+            Self::TargetCurrentScale => 104,
+            Self::PositionError => 105,
+            Self::StepDirMode => 106,
+        }
+    }
 }
 
 /// An input or output of the TMCM-1311.
@@ -580,7 +697,7 @@ impl AxisParameter {
 pub enum Port {
     /// AIN_0, read as a digital input.
     In0,
-    /// IN_1.
+    /// IN_1, also the reference (home) switch.
     In1,
     /// IN_2.
     In2,
@@ -800,7 +917,7 @@ static COMMANDS: [ModuleCommand; 56] = [
     ModuleCommand { spec: &commands::COMMANDS[54], section: "4.4, 5.6.6", types: &[], beyond_manual: "" },
     ModuleCommand {
         spec: &commands::COMMANDS[55],
-        section: "5.7.39",
+        section: "",
         types: &[],
         beyond_manual: "sibling manuals",
     },
@@ -1256,7 +1373,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         unsigned: false,
         values: &[],
         fields: &[],
-        starts_motion: false,
+        starts_motion: true,
         repeat_safe: true,
         section: "6, 8.7, 8.10",
         beyond_manual: "",
@@ -1326,7 +1443,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         repeat_safe: true,
         section: "6",
         beyond_manual: "",
-        note: "",
+        note: "The manual prints no unit and no formula: those of the TMCM-1640, with axis parameter 150 / √2 as the current",
     },
     ParameterSpec {
         number: 27,
@@ -1348,13 +1465,13 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         repeat_safe: true,
         section: "6",
         beyond_manual: "",
-        note: "",
+        note: "The manual prints no unit: that of axis parameter 26",
     },
     ParameterSpec {
         number: 28,
         name: "I²t exceed counter",
         id: "i2t_exceed_counter",
-        summary: "How often the I²t limit was exceeded",
+        summary: "Goes up by one every second while the I²t sum is above its limit",
         unit: "",
         closed_loop_unit: "",
         range: ValueSet { intervals: &[(0, 4294967295)], step: 1 },
@@ -1370,13 +1487,13 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         repeat_safe: true,
         section: "6",
         beyond_manual: "",
-        note: "",
+        note: "Chapter 6 counts the excesses; it counts their seconds, as chapter 9 of the TMCM-1640 manual says",
     },
     ParameterSpec {
         number: 29,
         name: "Clear I²t exceeded flag",
         id: "clear_i2t_flag",
-        summary: "Writing any value clears the I²t flag, bit 13 of axis parameter 18",
+        summary: "Writing any value clears the I²t flag, bit 13 of axis parameter 18, once the time of axis parameter 25 has passed",
         unit: "",
         closed_loop_unit: "",
         range: ValueSet { intervals: &[(-2147483648, 2147483647)], step: 1 },
@@ -1392,7 +1509,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         repeat_safe: true,
         section: "6",
         beyond_manual: "",
-        note: "",
+        note: "The value is ignored, so every value is in range; too early a write has no effect, as on the TMCM-1640",
     },
     ParameterSpec {
         number: 108,
@@ -1852,7 +1969,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         number: 130,
         name: "Start/Stop velocity",
         id: "start_stop_velocity",
-        summary: "Velocity at which ramps begin and end; from the target velocity on there is no ramp",
+        summary: "Velocity at which ramps begin and end; when it equals the target velocity there is no ramp",
         unit: "pps",
         closed_loop_unit: "pps",
         range: ValueSet { intervals: &[(0, 327679999)], step: 1 },
@@ -1915,7 +2032,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         fields: &[],
         starts_motion: true,
         repeat_safe: false,
-        section: "6",
+        section: "3.2, 6",
         beyond_manual: "",
         note: "\"Fullstep resolution of the encoder\" means that of the motor, axis parameter 202",
     },
@@ -2134,7 +2251,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         number: 150,
         name: "Motor current",
         id: "motor_current",
-        summary: "Peak motor current: root of the squared sum of axis parameters 151 and 152",
+        summary: "Peak motor current: root of the sum of the squares of axis parameters 151 and 152",
         unit: "mA",
         closed_loop_unit: "mA",
         range: ValueSet { intervals: &[(0, 65535)], step: 1 },
@@ -2754,7 +2871,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         number: 183,
         name: "smartEnergy slow run current",
         id: "coolstep_slow_run_current",
-        summary: "Current below axis parameter 182, scaled like axis parameter 6; 0 = that of axis parameter 6",
+        summary: "Current below axis parameter 182 while coolStep is on, scaled like axis parameter 6; 0 = that of axis parameter 6",
         unit: "",
         closed_loop_unit: "",
         range: ValueSet { intervals: &[(0, 255)], step: 1 },
@@ -2823,7 +2940,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 107] = [
         fields: &[],
         starts_motion: false,
         repeat_safe: true,
-        section: "6, 9",
+        section: "6, 9, 9.1.1",
         beyond_manual: "",
         note: "The range column omits the values with 128 added that the description allows",
     },
@@ -4492,11 +4609,11 @@ static PORTS: [PortSpec; 23] = [
         bank: 0,
         number: 1,
         id: "in_1",
-        name: "IN_1",
+        name: "IN_1, also the reference (home) switch",
         direction: Direction::Input,
         range: ValueSet { intervals: &[(0, 1)], step: 1 },
         unit: "",
-        section: "5.7.15.1",
+        section: "5.7.15.1, 6",
     },
     PortSpec {
         bank: 0,

@@ -49,7 +49,7 @@ pub enum AxisParameter {
     PidLoopDelay = 133,
     /// Period of the current regulator; 0 acts as 1.
     CurrentLoopDelay = 134,
-    /// 1 = velocity and position mode accelerate with AP 11; 0 = they follow at once.
+    /// 1 = velocity and position mode accelerate with AP 11; 0 = the velocity regulator gets its target at once.
     EnableRamp = 146,
     /// Measured torque-producing current, positive = right.
     MotorCurrent = 150,
@@ -57,7 +57,7 @@ pub enum AxisParameter {
     SupplyVoltage = 151,
     /// Raw ADC value of the driver's NTC, higher = hotter; 739 = 25 °C, 1000 = 35 °C.
     DriverTemperature = 152,
-    /// Current that torque mode regulates to, positive = right; writing it selects torque mode.
+    /// Target of the current regulator, positive = right; writing it selects torque mode, in the other modes the velocity regulator sets it.
     TargetCurrent = 155,
     /// Errors and state of the drive; bits 0 to 15 follow what they report, bit 17 stays until AP 29 clears it.
     StatusFlags = 156,
@@ -348,6 +348,78 @@ impl AxisParameter {
             Self::EnableDriver => &AXIS_PARAMETERS[61],
         }
     }
+
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// Its place among them, less than [`Self::COUNT`].
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::TargetPosition => 0,
+            Self::ActualPosition => 1,
+            Self::TargetVelocity => 2,
+            Self::ActualVelocity => 3,
+            Self::MaxVelocity => 4,
+            Self::MaxCurrent => 5,
+            Self::TargetReachedVelocity => 6,
+            Self::PositionReached => 7,
+            Self::MotorHaltedVelocity => 8,
+            Self::TargetReachedDistance => 9,
+            Self::MaxAcceleration => 10,
+            Self::RampVelocity => 11,
+            Self::ThermalWindingTimeConstant => 12,
+            Self::I2tLimit => 13,
+            Self::I2tSum => 14,
+            Self::I2tExceedCounter => 15,
+            Self::ClearI2tFlag => 16,
+            Self::MinuteCounter => 17,
+            Self::ReinitCommutation => 18,
+            Self::PidLoopDelay => 19,
+            Self::CurrentLoopDelay => 20,
+            Self::EnableRamp => 21,
+            Self::MotorCurrent => 22,
+            Self::SupplyVoltage => 23,
+            Self::DriverTemperature => 24,
+            Self::TargetCurrent => 25,
+            Self::StatusFlags => 26,
+            Self::CommutationMode => 27,
+            Self::ClearOnNull => 28,
+            Self::ClearOnSwitch => 29,
+            Self::ClearOnce => 30,
+            Self::StopSwitchEnable => 31,
+            Self::EncoderCommutationOffset => 32,
+            Self::StopSwitchPolarity => 33,
+            Self::CurrentP => 34,
+            Self::CurrentI => 35,
+            Self::StartCurrent => 36,
+            Self::CurrentPidError => 37,
+            Self::CurrentPidErrorSum => 38,
+            Self::EncoderCounter => 39,
+            Self::ActualHallAngle => 40,
+            Self::ActualEncoderAngle => 41,
+            Self::ActualControlledAngle => 42,
+            Self::PositionPidError => 43,
+            Self::VelocityPidError => 44,
+            Self::VelocityPidErrorSum => 45,
+            Self::PositionP => 46,
+            Self::VelocityP => 47,
+            Self::VelocityI => 48,
+            Self::MassInertiaConstant => 49,
+            Self::BemfConstant => 50,
+            Self::MotorCoilResistance => 51,
+            Self::InitVelocity => 52,
+            Self::InitSineDelay => 53,
+            Self::OvervoltageProtection => 54,
+            Self::InitSineMode => 55,
+            Self::EncoderResolution => 56,
+            Self::EncoderDirection => 57,
+            Self::HallInterpolation => 58,
+            Self::MotorPoles => 59,
+            Self::HallSensorInvert => 60,
+            Self::EnableDriver => 61,
+        }
+    }
 }
 
 /// An input or output of the TMCM-1640.
@@ -481,13 +553,13 @@ static COMMANDS: [ModuleCommand; 45] = [
     },
     ModuleCommand {
         spec: &commands::COMMANDS[47],
-        section: "4.4, 6.1",
+        section: "4.3, 4.4, 6.1",
         types: &[],
         beyond_manual: "sibling manuals",
     },
     ModuleCommand {
         spec: &commands::COMMANDS[48],
-        section: "4.4, 6.1",
+        section: "4.3, 4.4, 6.1",
         types: &[],
         beyond_manual: "sibling manuals",
     },
@@ -887,11 +959,11 @@ static AXIS_PARAMETERS: [ParameterSpec; 62] = [
         unsigned: false,
         values: &[],
         fields: &[],
-        starts_motion: false,
+        starts_motion: true,
         repeat_safe: true,
         section: "5, 5.1, 9",
         beyond_manual: "",
-        note: "The value is ignored, so every value is in range; too early a write has no effect",
+        note: "The value is ignored, so every value is in range; too early a write has no effect. The mode stays while the flag keeps the PWM at zero, so clearing it lets the motor go on",
     },
     ParameterSpec {
         number: 30,
@@ -985,7 +1057,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 62] = [
         number: 146,
         name: "Activate ramp",
         id: "enable_ramp",
-        summary: "1 = velocity and position mode accelerate with AP 11; 0 = they follow at once",
+        summary: "1 = velocity and position mode accelerate with AP 11; 0 = the velocity regulator gets its target at once",
         unit: "",
         closed_loop_unit: "",
         range: ValueSet { intervals: &[(0, 1)], step: 1 },
@@ -1076,7 +1148,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 62] = [
         number: 155,
         name: "Target current",
         id: "target_current",
-        summary: "Current that torque mode regulates to, positive = right; writing it selects torque mode",
+        summary: "Target of the current regulator, positive = right; writing it selects torque mode, in the other modes the velocity regulator sets it",
         unit: "mA",
         closed_loop_unit: "mA",
         range: ValueSet { intervals: &[(-2147483648, 2147483647)], step: 1 },
@@ -1096,7 +1168,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 62] = [
     },
     ParameterSpec {
         number: 156,
-        name: "Error/status flags",
+        name: "Error/Status flags",
         id: "status_flags",
         summary: "Errors and state of the drive; bits 0 to 15 follow what they report, bit 17 stays until AP 29 clears it",
         unit: "",
@@ -2158,9 +2230,9 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 16] = [
             unsigned: false,
             values: &[
                 NamedValue { value: 0, id: "none", name: "No protection" },
-                NamedValue { value: 1, id: "disassembling", name: "Against disassembling" },
+                NamedValue { value: 1, id: "disassembly", name: "Against disassembly" },
                 NamedValue { value: 2, id: "overwriting", name: "Against overwriting" },
-                NamedValue { value: 3, id: "both", name: "Against disassembling and overwriting" },
+                NamedValue { value: 3, id: "both", name: "Against disassembly and overwriting" },
             ],
             fields: &[],
             starts_motion: false,
@@ -2266,7 +2338,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 16] = [
             number: 130,
             name: "TMCL program counter",
             id: "program_counter",
-            summary: "Index of the instruction being executed",
+            summary: "Address of the program's current instruction",
             unit: "",
             closed_loop_unit: "",
             range: ValueSet { intervals: &[(0, 2047)], step: 1 },
@@ -2282,7 +2354,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 16] = [
             repeat_safe: true,
             section: "6.1",
             beyond_manual: "",
-            note: "",
+            note: "The lower end is printed as a letter o",
         },
     },
     GlobalSpec {
@@ -2318,7 +2390,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 16] = [
             number: 255,
             name: "Suppress reply",
             id: "suppress_reply",
-            summary: "1 = no command is answered any more, from the next one on, until it is 0 again",
+            summary: "1 = no command but SGP 255 itself is answered, until it is 0 again",
             unit: "",
             closed_loop_unit: "",
             range: ValueSet { intervals: &[(0, 1)], step: 1 },
@@ -2371,8 +2443,8 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 16] = [
         last: 255,
         parameter: ParameterSpec {
             number: 56,
-            name: "General purpose variable in RAM",
-            id: "user_variable_ram",
+            name: "General purpose variable",
+            id: "volatile_user_variable",
             summary: "Variable for stand-alone programs, in RAM only",
             unit: "",
             closed_loop_unit: "",

@@ -1,0 +1,77 @@
+//! All that differs between modules: their parameters, ports and motion. No bytes, no storage.
+
+use tmcl_tables::{ModuleSpec, Status};
+
+/// What a motion command asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// ROR and ROL: turn at a velocity, positive to the right.
+    Rotate(i32),
+    /// MST: slow down to a stop.
+    Stop,
+    /// MVP ABS and COORD: to a position.
+    MoveTo(i32),
+    /// MVP REL: by an offset from where the module's settings say.
+    MoveBy(i32),
+}
+
+/// Why an axis does not do what it was told, although the number and the value are right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refused {
+    /// The axis cannot do this in its present state.
+    #[error("not available in the present state")]
+    NotAvailable,
+    /// The value does not fit the other settings.
+    #[error("the value does not fit the other settings")]
+    InvalidValue,
+}
+
+impl From<Refused> for Status {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::NotAvailable => Self::NotAvailable,
+            Refused::InvalidValue => Self::InvalidValue,
+        }
+    }
+}
+
+/// One module's axis with its inputs and outputs.
+///
+/// The dispatcher has checked number, access and range before it calls; an axis answers for the meaning only.
+pub trait Axis: Clone + Default {
+    /// The module's tables.
+    const SPEC: &'static ModuleSpec;
+    /// Its axis parameters, a generated enum, so that every match is exhaustive.
+    type Parameter: Copy + TryFrom<u8>;
+    /// Its inputs and outputs, likewise.
+    type Port: Copy;
+    /// What its sensors say, once a control period.
+    type Sensed;
+    /// What its power stage and outputs shall do.
+    type Drive: Copy + Default;
+
+    /// One control period of 50 µs. Constant work.
+    fn tick(&mut self, sensed: &Self::Sensed) -> Self::Drive;
+    /// The value of a parameter.
+    fn get(&self, parameter: Self::Parameter) -> i32;
+    /// Changes a parameter.
+    ///
+    /// # Errors
+    /// [`Refused`] when the value is in range but cannot take effect now; then nothing has changed.
+    fn set(&mut self, parameter: Self::Parameter, value: i32) -> Result<(), Refused>;
+    /// Begins a motion.
+    ///
+    /// # Errors
+    /// [`Refused`] when the axis cannot move now.
+    fn motion(&mut self, motion: Motion) -> Result<(), Refused>;
+    /// Where the axis is, for CCO.
+    fn actual_position(&self) -> i32;
+    /// Whether the target position is reached, for command 138.
+    fn is_position_reached(&self) -> bool;
+    /// The port with this bank and number.
+    fn port(bank: u8, number: u8) -> Option<Self::Port>;
+    /// The state or reading of a port.
+    fn read_port(&self, port: Self::Port) -> i32;
+    /// Switches an output; does nothing to inputs.
+    fn write_port(&mut self, port: Self::Port, high: bool);
+}

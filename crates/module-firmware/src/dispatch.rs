@@ -1,0 +1,409 @@
+//! The one dispatcher: what a request does, or which status refuses it.
+//!
+//! Two statuses fit at once: the first that applies in the order command, type, motor or bank, lock, value.
+
+use tmcl_tables::{
+    Access, Command, Direction, GlobalParameter, GlobalSpec, Mode, MotorField, ParameterSpec, PortSpec,
+    Status, TypeField,
+};
+use tmcl_wire::Request;
+
+use crate::axis::{Axis, Motion};
+use crate::coordinates;
+use crate::firmware::{Firmware, Job};
+use crate::globals::VARIABLE_BANK;
+use crate::storage::RecordKey;
+
+/// The value that commands 137 and 255 want to see.
+const CONFIRMATION: i32 = 1234;
+
+/// The mask of command 138: motor 0.
+pub(crate) const POSITION_REACHED_MASK: i32 = 1;
+
+/// The port number that means all of a bank.
+const ALL_PORTS: u8 = 255;
+
+/// The motor byte of SCO and GCO that means the EEPROM.
+const COORDINATES_IN_EEPROM: u8 = 255;
+
+const INPUT_BANK: u8 = 0;
+const OUTPUT_BANK: u8 = 2;
+
+/// What a request led to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Done; the reply carries this value.
+    Done(i32),
+    /// The storage has to do something before the reply with this value.
+    Job(Job, i32),
+    /// The storage has to do something, and there is no reply.
+    SilentJob(Job),
+    /// The special reply of command 136.
+    VersionString,
+    /// The reply of command 138, and another when the target position is reached.
+    AwaitPosition,
+    /// Nothing at all.
+    Silence,
+}
+
+type Executed = Result<Outcome, Status>;
+
+impl<A: Axis> Firmware<A> {
+    /// Executes a request that came from a host.
+    pub(crate) fn execute(&mut self, request: &Request) -> Executed {
+        let command = admit::<A>(request)?;
+        let &Request { kind, value, .. } = request;
+        match command {
+            Command::RotateRight => self.rotate(value, value),
+            Command::RotateLeft => self.rotate(value.wrapping_neg(), value),
+            Command::MotorStop => self.begin(Motion::Stop, value),
+            Command::MoveToPosition => self.move_to_position(kind, value),
+            Command::SetAxisParameter => self.set_axis_parameter(kind, value).map(|()| Outcome::Done(value)),
+            Command::GetAxisParameter => self.get_axis_parameter(kind),
+            Command::StoreAxisParameter => self.store_axis_parameter(kind, value),
+            Command::RestoreAxisParameter => Ok(Outcome::Job(Job::RestoreAxisParameter(kind), value)),
+            Command::SetGlobalParameter => self.set_global_parameter(request, value, value),
+            Command::GetGlobalParameter => self.get_global_parameter(request),
+            Command::StoreGlobalParameter => self.store_global_parameter(request),
+            Command::RestoreGlobalParameter => restore_global_parameter::<A>(request),
+            Command::SetOutput => self.set_output(request),
+            Command::GetInput => self.get_input(request),
+            Command::Calculate => {
+                self.registers.calculate(kind, value);
+                Ok(Outcome::Done(self.registers.accumulator))
+            }
+            Command::CalculateX => {
+                self.registers.calculate_x(kind);
+                Ok(Outcome::Done(self.registers.accumulator))
+            }
+            Command::SetCoordinate => self.set_coordinate(request),
+            Command::GetCoordinate => self.get_coordinate(request),
+            Command::CaptureCoordinate => self.write_coordinate(kind, self.axis.actual_position(), value),
+            Command::AccumulatorToCoordinate => {
+                let accumulator = self.registers.accumulator;
+                self.write_coordinate(kind, accumulator, accumulator)
+            }
+            Command::AccumulatorToAxisParameter => {
+                let accumulator = self.registers.accumulator;
+                self.set_axis_parameter(kind, accumulator).map(|()| Outcome::Done(accumulator))
+            }
+            Command::AccumulatorToGlobalParameter => {
+                let accumulator = self.registers.accumulator;
+                self.set_global_parameter(request, accumulator, accumulator)
+            }
+            Command::ApplicationStatus => Ok(Outcome::Done(0)),
+            Command::FirmwareVersion if kind == 0 => Ok(Outcome::VersionString),
+            Command::FirmwareVersion => Ok(Outcome::Done(A::SPEC.version_number())),
+            Command::FactoryReset => self.factory_reset(value),
+            Command::RequestPositionReachedEvent if value == 0 => Ok(Outcome::AwaitPosition),
+            Command::RequestPositionReachedEvent => Err(Status::InvalidValue),
+            Command::SoftwareReset if value == CONFIRMATION => Ok(Outcome::Job(Job::Restart, value)),
+            Command::SoftwareReset => Err(Status::InvalidValue),
+            // No search runs, so none is stopped and none is active.
+            Command::ReferenceSearch if kind != 0 => Ok(Outcome::Done(0)),
+            Command::UserFunction0
+            | Command::UserFunction1
+            | Command::UserFunction2
+            | Command::UserFunction3
+            | Command::UserFunction4
+            | Command::UserFunction5
+            | Command::UserFunction6
+            | Command::UserFunction7 => Err(Status::InvalidCommand),
+            // Reference search, stand-alone programs and the ASCII interface are still to come (docs/fidelity.md); the
+            // flow control of programs is never available to a host.
+            Command::ReferenceSearch
+            | Command::Compare
+            | Command::JumpConditional
+            | Command::Jump
+            | Command::CallSubroutine
+            | Command::ReturnFromSubroutine
+            | Command::EnableInterrupt
+            | Command::DisableInterrupt
+            | Command::Wait
+            | Command::Stop
+            | Command::ClearErrorFlags
+            | Command::SetInterruptVector
+            | Command::ReturnFromInterrupt
+            | Command::ApplicationStop
+            | Command::ApplicationRun
+            | Command::ApplicationStep
+            | Command::ApplicationReset
+            | Command::DownloadStart
+            | Command::DownloadEnd
+            | Command::ReadProgramMemory
+            | Command::EnterAsciiMode => Err(Status::NotAvailable),
+        }
+    }
+
+    /// ROR and ROL: the sign of the velocity is the command's, its range that of the target velocity.
+    fn rotate(&mut self, velocity: i32, sent: i32) -> Executed {
+        let target_velocity = axis_spec::<A>(2)?;
+        if !target_velocity.allows_write(sent) {
+            return Err(Status::InvalidValue);
+        }
+        self.begin(Motion::Rotate(velocity), sent)
+    }
+
+    fn move_to_position(&mut self, kind: u8, value: i32) -> Executed {
+        match kind {
+            0 => self.begin(Motion::MoveTo(value), value),
+            1 => self.begin(Motion::MoveBy(value), value),
+            _ => {
+                let number = u8::try_from(value).map_err(|_| Status::InvalidValue)?;
+                let position = self.coordinates.get(coordinate_number(number)?);
+                self.begin(Motion::MoveTo(position), value)
+            }
+        }
+    }
+
+    fn begin(&mut self, motion: Motion, sent: i32) -> Executed {
+        self.axis.motion(motion)?;
+        Ok(Outcome::Done(sent))
+    }
+
+    fn set_axis_parameter(&mut self, number: u8, value: i32) -> Result<(), Status> {
+        let (parameter, spec) = axis_parameter::<A>(number)?;
+        in_range(spec, value)?;
+        Ok(self.axis.set(parameter, value)?)
+    }
+
+    fn get_axis_parameter(&self, number: u8) -> Executed {
+        let (parameter, _) = axis_parameter::<A>(number)?;
+        Ok(Outcome::Done(self.axis.get(parameter)))
+    }
+
+    /// STAP stores the value in use; the one that comes along has no effect (TMCM-1311 §5.7.7).
+    fn store_axis_parameter(&self, number: u8, sent: i32) -> Executed {
+        let (parameter, _) = axis_parameter::<A>(number)?;
+        self.unlocked()?;
+        Ok(Outcome::Job(Job::Write(RecordKey::Axis(number), self.axis.get(parameter)), sent))
+    }
+
+    /// SGP and AGP. Bank 0 is stored at once, as far as the EEPROM keeps it (TMCM-1311 §10.1).
+    fn set_global_parameter(&mut self, request: &Request, value: i32, answer: i32) -> Executed {
+        let &Request { kind: number, motor: bank, .. } = request;
+        let spec = &global_spec::<A>(bank, number)?.parameter;
+        if !spec.access.write {
+            return Err(Status::WrongType);
+        }
+        let stored = bank == 0 && spec.access.store;
+        let locks = GlobalParameter::EepromLock.address() == (bank, number);
+        if stored && !locks {
+            self.unlocked()?;
+        }
+        in_range(spec, value)?;
+        if bank == VARIABLE_BANK {
+            self.globals.set_variable(number, value);
+            return Ok(Outcome::Done(answer));
+        }
+        let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
+        self.globals.write(parameter, value, self.ticks);
+        if stored {
+            let kept = self.globals.setting(parameter);
+            return Ok(Outcome::Job(Job::Write(RecordKey::Global(bank, number), kept), answer));
+        }
+        Ok(Outcome::Done(answer))
+    }
+
+    fn get_global_parameter(&mut self, request: &Request) -> Executed {
+        let &Request { kind: number, motor: bank, .. } = request;
+        readable(&global_spec::<A>(bank, number)?.parameter)?;
+        if bank == VARIABLE_BANK {
+            return Ok(Outcome::Done(self.globals.variable(number)));
+        }
+        let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
+        Ok(Outcome::Done(self.globals.read(parameter, self.ticks)))
+    }
+
+    /// STGP: bank 0 is stored already, so that only user variables have something to do.
+    fn store_global_parameter(&self, request: &Request) -> Executed {
+        let &Request { kind: number, motor: bank, value, .. } = request;
+        let spec = &global_spec::<A>(bank, number)?.parameter;
+        if bank != 0 {
+            storable(spec)?;
+        }
+        self.unlocked()?;
+        if bank != VARIABLE_BANK {
+            return Ok(Outcome::Done(value));
+        }
+        let key = RecordKey::Global(VARIABLE_BANK, number);
+        Ok(Outcome::Job(Job::Write(key, self.globals.variable(number)), value))
+    }
+
+    fn set_output(&mut self, request: &Request) -> Executed {
+        let &Request { kind: number, motor: bank, value, .. } = request;
+        if (bank, number) == (OUTPUT_BANK, ALL_PORTS) && !outputs::<A>().is_empty() {
+            let levels = match value {
+                -1 => self.registers.accumulator & 0xFF,
+                0..=255 => value,
+                _ => return Err(Status::InvalidValue),
+            };
+            for spec in outputs::<A>() {
+                if let Some(port) = A::port(spec.bank, spec.number) {
+                    self.axis.write_port(port, (levels >> spec.number) & 1 == 1);
+                }
+            }
+            return Ok(Outcome::Done(value));
+        }
+        let (port, spec) = port::<A>(bank, number)?;
+        if spec.direction != Direction::Output {
+            return Err(Status::WrongType);
+        }
+        if !spec.range.contains(i64::from(value)) {
+            return Err(Status::InvalidValue);
+        }
+        self.axis.write_port(port, value != 0);
+        Ok(Outcome::Done(value))
+    }
+
+    fn get_input(&self, request: &Request) -> Executed {
+        let &Request { kind: number, motor: bank, .. } = request;
+        if (bank, number) == (INPUT_BANK, ALL_PORTS) {
+            let bits = A::SPEC.ports.iter().filter(|spec| spec.bank == INPUT_BANK).map(|spec| {
+                let level = A::port(spec.bank, spec.number).map_or(0, |port| self.axis.read_port(port));
+                (level & 1) << spec.number
+            });
+            return Ok(Outcome::Done(bits.fold(0, |all, bit| all | bit)));
+        }
+        let (port, _) = port::<A>(bank, number)?;
+        Ok(Outcome::Done(self.axis.read_port(port)))
+    }
+
+    fn set_coordinate(&mut self, request: &Request) -> Executed {
+        let &Request { kind, motor, value, .. } = request;
+        if motor == COORDINATES_IN_EEPROM {
+            let (next, last) = coordinates_to_copy(kind)?;
+            self.unlocked()?;
+            return Ok(Outcome::Job(Job::StoreCoordinates { next, last }, value));
+        }
+        self.write_coordinate(kind, value, value)
+    }
+
+    fn get_coordinate(&self, request: &Request) -> Executed {
+        let &Request { kind, motor, value, .. } = request;
+        if motor == COORDINATES_IN_EEPROM {
+            let (first, last) = coordinates_to_copy(kind)?;
+            return Ok(Outcome::Job(Job::RestoreCoordinates { first, last }, value));
+        }
+        Ok(Outcome::Done(self.coordinates.get(coordinate_number(kind)?)))
+    }
+
+    /// Sets a coordinate, and writes it through where global parameter 84 says so; coordinate 0 never is.
+    fn write_coordinate(&mut self, number: u8, position: i32, answer: i32) -> Executed {
+        let number = coordinate_number(number)?;
+        let through = number != 0 && self.globals.setting(GlobalParameter::CoordinateStorage) != 0;
+        if through {
+            self.unlocked()?;
+        }
+        self.coordinates.set(number, position);
+        if through {
+            return Ok(Outcome::Job(Job::Write(RecordKey::Coordinate(number), position), answer));
+        }
+        Ok(Outcome::Done(answer))
+    }
+
+    /// 137: no reply; nothing happens while the EEPROM is locked.
+    fn factory_reset(&self, value: i32) -> Executed {
+        match value {
+            CONFIRMATION if self.globals.is_locked() => Ok(Outcome::Silence),
+            CONFIRMATION => Ok(Outcome::SilentJob(Job::FactoryReset)),
+            _ => Err(Status::InvalidValue),
+        }
+    }
+
+    fn unlocked(&self) -> Result<(), Status> {
+        if self.globals.is_locked() { Err(Status::EepromLocked) } else { Ok(()) }
+    }
+}
+
+/// Whether the module has the command, a host may send it, its named type exists, and its motor is motor 0.
+fn admit<A: Axis>(request: &Request) -> Result<Command, Status> {
+    let entry = A::SPEC.command(request.command).ok_or(Status::InvalidCommand)?;
+    if !entry.spec.modes.allow(Mode::Direct) {
+        return Err(Status::NotAvailable);
+    }
+    if entry.spec.type_field == TypeField::Named && !entry.types.contains(&request.kind) {
+        return Err(Status::WrongType);
+    }
+    // A parameter that is unknown or not accessible this way is a wrong type, and that comes before a wrong motor.
+    if entry.spec.type_field == TypeField::AxisParameter {
+        check_access(entry.spec.command, axis_spec::<A>(request.kind)?.access)?;
+    }
+    match entry.spec.motor_field {
+        MotorField::Motor if request.motor != 0 => Err(Status::InvalidValue),
+        MotorField::CoordinateStore if ![0, COORDINATES_IN_EEPROM].contains(&request.motor) => {
+            Err(Status::InvalidValue)
+        }
+        MotorField::Unused | MotorField::Motor | MotorField::Bank | MotorField::CoordinateStore => {
+            Ok(entry.spec.command)
+        }
+    }
+}
+
+/// Whether the letters R, W and E let an axis parameter be used like this.
+fn check_access(command: Command, access: Access) -> Result<(), Status> {
+    let allowed = match command {
+        Command::GetAxisParameter => access.read,
+        Command::StoreAxisParameter | Command::RestoreAxisParameter => access.store,
+        _ => access.write,
+    };
+    if allowed { Ok(()) } else { Err(Status::WrongType) }
+}
+
+/// RSGP: bank 0 needs no restoring, bank 2 is read back where it can be stored.
+fn restore_global_parameter<A: Axis>(request: &Request) -> Executed {
+    let &Request { kind: number, motor: bank, value, .. } = request;
+    let spec = &global_spec::<A>(bank, number)?.parameter;
+    match bank {
+        0 => Ok(Outcome::Done(value)),
+        VARIABLE_BANK => storable(spec).map(|()| Outcome::Job(Job::RestoreVariable(number), value)),
+        _ => Err(Status::WrongType),
+    }
+}
+
+fn axis_spec<A: Axis>(number: u8) -> Result<&'static ParameterSpec, Status> {
+    A::SPEC.axis_parameter(number).ok_or(Status::WrongType)
+}
+
+fn axis_parameter<A: Axis>(number: u8) -> Result<(A::Parameter, &'static ParameterSpec), Status> {
+    let parameter = A::Parameter::try_from(number).map_err(|_| Status::WrongType)?;
+    Ok((parameter, axis_spec::<A>(number)?))
+}
+
+fn global_spec<A: Axis>(bank: u8, number: u8) -> Result<&'static GlobalSpec, Status> {
+    A::SPEC.global_parameter(bank, number).ok_or(Status::WrongType)
+}
+
+fn port<A: Axis>(bank: u8, number: u8) -> Result<(A::Port, &'static PortSpec), Status> {
+    A::port(bank, number).zip(A::SPEC.port(bank, number)).ok_or(Status::WrongType)
+}
+
+/// The module's outputs, which stand together in the table.
+fn outputs<A: Axis>() -> &'static [PortSpec] {
+    let start = A::SPEC.ports.partition_point(|port| port.bank < OUTPUT_BANK);
+    A::SPEC.ports.get(start..).unwrap_or(&[])
+}
+
+fn readable(spec: &ParameterSpec) -> Result<(), Status> {
+    if spec.access.read { Ok(()) } else { Err(Status::WrongType) }
+}
+
+fn storable(spec: &ParameterSpec) -> Result<(), Status> {
+    if spec.access.store { Ok(()) } else { Err(Status::WrongType) }
+}
+
+fn in_range(spec: &ParameterSpec, value: i32) -> Result<(), Status> {
+    if spec.allows_write(value) { Ok(()) } else { Err(Status::InvalidValue) }
+}
+
+fn coordinate_number(number: u8) -> Result<u8, Status> {
+    if number < coordinates::COUNT { Ok(number) } else { Err(Status::InvalidValue) }
+}
+
+/// The EEPROM forms of SCO and GCO: 0 stands for all but coordinate 0.
+fn coordinates_to_copy(number: u8) -> Result<(u8, u8), Status> {
+    match coordinate_number(number)? {
+        0 => Ok((1, coordinates::COUNT - 1)),
+        number => Ok((number, number)),
+    }
+}

@@ -1,0 +1,83 @@
+//! Power-on: factory settings, then what the storage holds over them.
+
+use tmcl_tables::{GlobalParameter, ParameterSpec};
+
+use crate::axis::Axis;
+use crate::coordinates::{self, Coordinates};
+use crate::firmware::Firmware;
+use crate::globals::{Globals, MAGIC, VARIABLE_BANK};
+use crate::storage::{RecordKey, Storage, read_value, write_value};
+
+impl<A: Axis> Firmware<A> {
+    /// The module as it is after power-on with this storage.
+    ///
+    /// A magic number (global parameter 64) other than 228 makes it forget everything stored first. If the power fails
+    /// while it does, the number is still wrong at the next power-on, and it begins again.
+    pub fn power_on<S: Storage>(storage: &mut S) -> Self {
+        forget_if_magic_is_wrong(storage);
+        let globals = restored_globals::<A, S>(storage);
+        let coordinates = restored_coordinates(&globals, storage);
+        let mut firmware = Self::with(A::default(), globals, coordinates);
+        for parameter in A::SPEC.axis_parameters.iter().filter(|parameter| parameter.access.store) {
+            firmware.restore_axis_parameter(parameter.number, storage);
+        }
+        firmware
+    }
+
+    /// Puts a stored axis parameter back, or its default where none is stored or what is stored is out of range.
+    pub(crate) fn restore_axis_parameter<S: Storage>(&mut self, number: u8, storage: &mut S) {
+        let Some(spec) = A::SPEC.axis_parameter(number) else { return };
+        let Ok(parameter) = A::Parameter::try_from(number) else { return };
+        let stored = read_value(storage, RecordKey::Axis(number)).filter(|value| is_possible(spec, *value));
+        // A refusal leaves the value that stands, which is what the user had.
+        let _ = self.axis.set(parameter, stored.unwrap_or(spec.default_bits()));
+    }
+}
+
+fn is_possible(spec: &ParameterSpec, bits: i32) -> bool {
+    spec.range.contains(spec.from_wire(bits))
+}
+
+fn forget_if_magic_is_wrong<S: Storage>(storage: &mut S) {
+    let (bank, number) = GlobalParameter::EepromMagic.address();
+    let key = RecordKey::Global(bank, number);
+    if read_value(storage, key).is_some_and(|magic| magic != MAGIC) && storage.erase().is_ok() {
+        // Without the record the settings are the factory's just as well.
+        let _ = write_value(storage, key, MAGIC);
+    }
+}
+
+fn restored_globals<A: Axis, S: Storage>(storage: &mut S) -> Globals {
+    let mut globals = Globals::new(A::SPEC);
+    for parameter in GlobalParameter::ALL {
+        let (bank, number) = parameter.address();
+        let Some(entry) = A::SPEC.global_parameter(bank, number) else { continue };
+        if let Some(value) = read_value(storage, RecordKey::Global(bank, number))
+            && entry.parameter.access.store
+            && is_possible(&entry.parameter, value)
+        {
+            globals.restore(*parameter, value);
+        }
+    }
+    if globals.setting(GlobalParameter::DoNotRestoreVariables) == 0 {
+        let variables = A::SPEC.global_parameters.iter().filter(|entry| entry.bank == VARIABLE_BANK);
+        for entry in variables.filter(|entry| entry.parameter.access.store) {
+            for number in entry.parameter.number..=entry.last {
+                let value = read_value(storage, RecordKey::Global(VARIABLE_BANK, number));
+                globals.set_variable(number, value.unwrap_or(0));
+            }
+        }
+    }
+    globals
+}
+
+fn restored_coordinates<S: Storage>(globals: &Globals, storage: &mut S) -> Coordinates {
+    let mut coordinates = Coordinates::new();
+    if globals.setting(GlobalParameter::CoordinateStorage) != 0 {
+        for number in 1..coordinates::COUNT {
+            let value = read_value(storage, RecordKey::Coordinate(number));
+            coordinates.set(number, value.unwrap_or(0));
+        }
+    }
+    coordinates
+}

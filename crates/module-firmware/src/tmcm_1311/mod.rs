@@ -1,0 +1,234 @@
+//! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
+//!
+//! What stands: open loop. Closed loop, reference search, switches and protection are still to come; their parameters keep
+//! what is written to them (`docs/fidelity.md`).
+
+mod parameters;
+mod ports;
+
+use motion_control::ramp::{Goal, Limits, Ramp};
+use motion_control::sine;
+pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
+use tmcl_tables::{ModuleSpec, tmcm_1311 as tables};
+
+use crate::axis::{Axis, Motion, Refused};
+use crate::values::Values;
+
+/// Microsteps of 1/256 full step in a full step.
+const MICROSTEPS: i32 = 256;
+
+/// Control periods without a step after which the TMC262 reports standstill: 2^20 clocks at 16 MHz (§6, AP 208).
+const STANDSTILL_TICKS: u32 = 1311;
+
+/// What the module's sensors say, once a control period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sensed {
+    /// The raw encoder count, which nothing but the shaft changes.
+    pub encoder_counts: i32,
+    /// IN_1 to IN_3 and IN_5 to IN_7 as bits 1 to 3 and 5 to 7; 1 = high.
+    pub inputs: u8,
+    /// AIN_0 and AIN_4: 0 to 4095 for 0 to 10 V.
+    pub analog_inputs: [u16; 2],
+    /// Currents in coil A and coil B.
+    pub coil_currents_ma: [i16; 2],
+    /// Supply voltage in tenths of a volt.
+    pub supply_voltage_dv: u16,
+    /// Current drawn from the supply.
+    pub supply_current_ma: u16,
+    /// Temperature of the board.
+    pub temperature_c: i16,
+}
+
+/// What the power stage and the outputs shall do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drive {
+    /// Coil currents A and B, signed, in 1/248 of the current scale.
+    pub coils: [i16; 2],
+    /// The TMC262's current scale CS: 0 to 31 for 1/32 to 32/32 of the full-scale current.
+    pub current_scale: u8,
+    /// The TMC262's VSENSE: half the full-scale current.
+    pub half_scale: bool,
+    /// The TMC262's off time; 0 switches the bridges off.
+    pub off_time: u8,
+    /// OUT_0 to OUT_7; 1 = on.
+    pub outputs: u8,
+}
+
+/// What the motor is doing (§6, AP 128). Torque mode needs the closed loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RampMode {
+    Position,
+    Velocity,
+}
+
+/// The axis.
+#[derive(Clone, Debug)]
+pub struct Tmcm1311 {
+    /// Parameters that are what was written to them.
+    kept: Values<{ AxisParameter::COUNT }>,
+    ramp: Ramp,
+    mode: RampMode,
+    target_position: i32,
+    target_velocity: i32,
+    /// Where the field stands, in 1/256 full steps; 1024 make an electrical period.
+    phase: u16,
+    /// AP 209 less the raw encoder count.
+    encoder_offset: i32,
+    ticks_since_step: u32,
+    outputs: u8,
+    sensed: Sensed,
+}
+
+impl Default for Tmcm1311 {
+    fn default() -> Self {
+        let mut kept = Values::zero();
+        for parameter in AxisParameter::ALL {
+            kept.set(parameter.index(), parameter.spec().default_bits());
+        }
+        Self {
+            kept,
+            ramp: Ramp::default(),
+            mode: RampMode::Position,
+            target_position: 0,
+            target_velocity: 0,
+            phase: 0,
+            encoder_offset: 0,
+            ticks_since_step: STANDSTILL_TICKS,
+            outputs: 0,
+            sensed: Sensed::default(),
+        }
+    }
+}
+
+impl Axis for Tmcm1311 {
+    const SPEC: &'static ModuleSpec = &tables::SPEC;
+    type Parameter = AxisParameter;
+    type Port = Port;
+    type Sensed = Sensed;
+    type Drive = Drive;
+
+    fn tick(&mut self, sensed: &Sensed) -> Drive {
+        self.sensed = *sensed;
+        let before = self.ramp.position();
+        self.ramp.tick(&self.limits());
+        self.step(self.ramp.position().wrapping_sub(before));
+        self.drive()
+    }
+
+    fn get(&self, parameter: AxisParameter) -> i32 {
+        self.parameter(parameter)
+    }
+
+    fn set(&mut self, parameter: AxisParameter, value: i32) -> Result<(), Refused> {
+        self.set_parameter(parameter, value)
+    }
+
+    fn motion(&mut self, motion: Motion) -> Result<(), Refused> {
+        match motion {
+            Motion::Rotate(velocity_pps) => self.turn(velocity_pps),
+            Motion::Stop => self.turn(0),
+            Motion::MoveTo(position) => self.move_to(position),
+            Motion::MoveBy(offset) => self.move_to(self.relative_origin().wrapping_add(offset)),
+        }
+        Ok(())
+    }
+
+    fn actual_position(&self) -> i32 {
+        self.ramp.position()
+    }
+
+    /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8).
+    fn is_position_reached(&self) -> bool {
+        self.ramp.is_standing() && self.ramp.position() == self.target_position
+    }
+
+    fn port(bank: u8, number: u8) -> Option<Port> {
+        Port::from_address(bank, number)
+    }
+
+    fn read_port(&self, port: Port) -> i32 {
+        self.port_level(port)
+    }
+
+    fn write_port(&mut self, port: Port, high: bool) {
+        self.set_port(port, high);
+    }
+}
+
+impl Tmcm1311 {
+    /// Velocity mode: speeds up or slows down to `velocity_pps` (§5.7.1).
+    fn turn(&mut self, velocity_pps: i32) {
+        self.mode = RampMode::Velocity;
+        self.target_velocity = velocity_pps;
+        self.ramp.set_goal(Goal::Velocity(velocity_pps));
+    }
+
+    /// Position mode: to `position` (§5.7.4).
+    fn move_to(&mut self, position: i32) {
+        self.mode = RampMode::Position;
+        self.target_position = position;
+        self.ramp.set_goal(Goal::Position(position));
+    }
+
+    /// What MVP REL counts from (§6, AP 127).
+    fn relative_origin(&self) -> i32 {
+        match self.kept_value(AxisParameter::RelativePositioningOption) {
+            0 => self.target_position,
+            2 => self.encoder_position(),
+            _ => self.ramp.position(),
+        }
+    }
+
+    /// The encoder counter in microsteps; where the resolutions make no sense, the ramp's position.
+    fn encoder_position(&self) -> i32 {
+        let microsteps = i64::from(self.kept_value(AxisParameter::MotorFullSteps)) * i64::from(MICROSTEPS)
+            / i64::from(self.microstep_size());
+        let counter = i64::from(self.sensed.encoder_counts.wrapping_add(self.encoder_offset));
+        let resolution = i64::from(self.kept_value(AxisParameter::EncoderResolution));
+        (counter * microsteps)
+            .checked_div(resolution)
+            .and_then(|position| i32::try_from(position).ok())
+            .unwrap_or_else(|| self.ramp.position())
+    }
+
+    fn limits(&self) -> Limits {
+        Limits {
+            max_velocity_pps: self.kept_value(AxisParameter::MaxVelocity),
+            acceleration_pps2: self.kept_value(AxisParameter::MaxAcceleration),
+            start_stop_velocity_pps: self.kept_value(AxisParameter::StartStopVelocity),
+        }
+    }
+
+    /// 1/256 full steps in a microstep (§6, AP 140).
+    fn microstep_size(&self) -> i32 {
+        MICROSTEPS >> self.kept_value(AxisParameter::MicrostepResolution).clamp(0, 8)
+    }
+
+    /// Turns the field on by what the ramp moved.
+    fn step(&mut self, microsteps: i32) {
+        if microsteps == 0 {
+            self.ticks_since_step = self.ticks_since_step.saturating_add(1);
+            return;
+        }
+        self.ticks_since_step = 0;
+        let turned = microsteps.wrapping_mul(self.microstep_size());
+        let [_, _, high, low] = turned.to_be_bytes();
+        self.phase = self.phase.wrapping_add(u16::from_be_bytes([high, low]));
+    }
+
+    fn drive(&self) -> Drive {
+        let (a, b) = sine::vector(self.phase);
+        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
+        Drive {
+            coils: [a, b],
+            current_scale: byte(AxisParameter::MaxCurrent) / 8,
+            half_scale: self.kept_value(AxisParameter::Vsense) != 0,
+            off_time: byte(AxisParameter::ChopperOffTime),
+            outputs: self.outputs,
+        }
+    }
+
+    fn kept_value(&self, parameter: AxisParameter) -> i32 {
+        self.kept.get(parameter.index())
+    }
+}

@@ -1,0 +1,204 @@
+//! What reading and writing each axis parameter means (TMCM-1311 §6).
+
+use motion_control::ramp::Goal;
+
+use super::{AxisParameter, RampMode, STANDSTILL_TICKS, Tmcm1311};
+use crate::axis::{Axis, Refused};
+
+/// Bit 2 of the encoder mode, which AP 198 mirrors.
+const CLEAR_ON_NEXT_NULL: i32 = 4;
+
+/// Full-scale RMS current of the power stage.
+const FULL_SCALE_MA: i32 = 3000;
+
+/// Supply limits and temperature of the status word; the manual gives none (decisions, TMCM-1311).
+const UNDERVOLTAGE_DV: u16 = 100;
+const OVERVOLTAGE_DV: u16 = 520;
+const OVERTEMPERATURE_C: i16 = 100;
+
+impl Tmcm1311 {
+    pub(super) fn parameter(&self, parameter: AxisParameter) -> i32 {
+        use AxisParameter as P;
+        let [coil_a, coil_b] = self.sensed.coil_currents_ma.map(i32::from);
+        match parameter {
+            P::TargetPosition => self.target_position,
+            P::ActualPosition | P::VirtualPosition => self.ramp.position(),
+            P::TargetVelocity => self.commanded_velocity(),
+            P::ActualVelocity => self.ramp.velocity_pps(),
+            P::PositionReached => i32::from(self.is_position_reached()),
+            P::MaxPossibleCurrent => self.max_possible_current_ma(),
+            P::StatusWord => self.status_word(),
+            P::RampMode => i32::from(self.mode == RampMode::Velocity),
+            P::MotorCurrent => isqrt(coil_a * coil_a + coil_b * coil_b),
+            P::PhaseACurrent => coil_a,
+            P::PhaseBCurrent => coil_b,
+            P::SupplyVoltage => i32::from(self.sensed.supply_voltage_dv),
+            P::DcCurrent => i32::from(self.sensed.supply_current_ma),
+            P::ModuleTemperature => i32::from(self.sensed.temperature_c),
+            P::CoolstepActualCurrent => self.kept_value(P::MaxCurrent) / 8,
+            P::ClearOnNull => i32::from(self.kept_value(P::EncoderMode) & CLEAR_ON_NEXT_NULL != 0),
+            P::DriverErrorFlags => i32::from(self.ticks_since_step >= STANDSTILL_TICKS) << 7,
+            P::EncoderCounter => self.sensed.encoder_counts.wrapping_add(self.encoder_offset),
+            P::MaxVelocity
+            | P::MaxAcceleration
+            | P::MaxCurrent
+            | P::StandbyCurrent
+            | P::HomeSwitch
+            | P::RightLimitSwitch
+            | P::LeftLimitSwitch
+            | P::RightLimitSwitchDisable
+            | P::LeftLimitSwitchDisable
+            | P::TorqueTargetCurrent
+            | P::VelocityReached
+            | P::VelocityReachedWindow
+            | P::TorqueActualCurrent
+            | P::TorqueCurrentSlope
+            | P::ThermalWindingTimeConstant
+            | P::I2tLimit
+            | P::I2tSum
+            | P::I2tExceedCounter
+            | P::ClearI2tFlag
+            | P::FieldWeakeningMinVelocity
+            | P::FieldWeakeningMaxVelocity
+            | P::EncoderOffset
+            | P::CurrentScaleMin
+            | P::CurrentScaleMax
+            | P::CurrentScaleInput
+            | P::CurrentScaleLowerErrorLimit
+            | P::CurrentScaleUpperErrorLimit
+            | P::CurrentScaleIncrement
+            | P::CurrentScaleDecrement
+            | P::CurrentScaleIncrementDelay
+            | P::CurrentScaleDecrementDelay
+            | P::CurrentScaleEnable
+            | P::ActualCurrentScale
+            | P::CorrectionVelocityP
+            | P::MaxFollowingError
+            | P::MaxCorrectionVelocity
+            | P::RelativePositioningOption
+            | P::ClosedLoopMode
+            | P::StartStopVelocity
+            | P::MeasuredVelocity
+            | P::EncoderInitialization
+            | P::ClosedLoopInitialized
+            | P::PositionReachedWindow
+            | P::PositionReachedTime
+            | P::StandstillGain
+            | P::StandstillDamping
+            | P::StandstillErrorLimit
+            | P::MicrostepResolution
+            | P::TorqueStartStopCurrent
+            | P::SoftStop
+            | P::ChopperBlankTime
+            | P::ChopperMode
+            | P::ChopperHysteresisDecrement
+            | P::ChopperHysteresisEnd
+            | P::ChopperHysteresisStart
+            | P::ChopperOffTime
+            | P::CoolstepMinCurrent
+            | P::CoolstepDownStep
+            | P::CoolstepHysteresis
+            | P::CoolstepUpStep
+            | P::CoolstepHysteresisStart
+            | P::Stallguard2Filter
+            | P::Stallguard2Threshold
+            | P::SlopeControlHighSide
+            | P::SlopeControlLowSide
+            | P::ShortProtectionDisable
+            | P::ShortDetectionTime
+            | P::Vsense
+            | P::StopOnStallVelocity
+            | P::CoolstepThresholdVelocity
+            | P::CoolstepSlowRunCurrent
+            | P::ReferenceSearchMode
+            | P::ReferenceSearchVelocity
+            | P::ReferenceSwitchVelocity
+            | P::EndSwitchDistance
+            | P::BoostCurrent
+            | P::EncoderMode
+            | P::MotorFullSteps
+            | P::FreewheelingDelay
+            | P::LoadValue
+            | P::EncoderDeviationFlag
+            | P::EncoderResolution
+            | P::MaxEncoderDeviation
+            | P::PowerDownDelay
+            | P::Gamma
+            | P::TargetCurrentScale
+            | P::PositionError
+            | P::StepDirMode => self.kept_value(parameter),
+        }
+    }
+
+    pub(super) fn set_parameter(&mut self, parameter: AxisParameter, value: i32) -> Result<(), Refused> {
+        use AxisParameter as P;
+        match parameter {
+            P::TargetPosition => self.move_to(value),
+            P::ActualPosition => self.redefine_position(value),
+            P::TargetVelocity => self.turn(value),
+            P::RampMode => self.set_mode(value)?,
+            // Torque mode cannot be used in open loop (§6, AP 14 and AP 128).
+            P::TorqueTargetCurrent => return Err(Refused::NotAvailable),
+            // Measured, although the manual's table says RW: a write is accepted and changes nothing.
+            P::ActualVelocity | P::CoolstepActualCurrent => {}
+            P::EncoderCounter => self.encoder_offset = value.wrapping_sub(self.sensed.encoder_counts),
+            P::ClearOnNull => {
+                let others = self.kept_value(P::EncoderMode) & !CLEAR_ON_NEXT_NULL;
+                self.kept.set(P::EncoderMode.index(), others | (value * CLEAR_ON_NEXT_NULL));
+            }
+            _ => self.kept.set(parameter.index(), value),
+        }
+        Ok(())
+    }
+
+    /// SAP 1 calls the present place something else; the target goes along, so that nothing moves.
+    fn redefine_position(&mut self, position: i32) {
+        let shift = position.wrapping_sub(self.ramp.position());
+        self.target_position = self.target_position.wrapping_add(shift);
+        self.ramp.redefine_position(position);
+    }
+
+    /// AP 128, written directly: goes on with the target that stands.
+    fn set_mode(&mut self, mode: i32) -> Result<(), Refused> {
+        match mode {
+            0 => self.move_to(self.target_position),
+            1 => self.turn(self.target_velocity),
+            _ => return Err(Refused::NotAvailable),
+        }
+        Ok(())
+    }
+
+    /// AP 2: in position mode the velocity the ramp is driving at, 0 while it brakes or rests.
+    fn commanded_velocity(&self) -> i32 {
+        match self.ramp.goal() {
+            Goal::Velocity(velocity_pps) => velocity_pps,
+            Goal::Position(_) if self.ramp.is_standing() || self.ramp.is_braking() => 0,
+            Goal::Position(_) => {
+                self.kept_value(AxisParameter::MaxVelocity) * self.ramp.velocity_pps().signum()
+            }
+        }
+    }
+
+    /// AP 15: 3 A RMS in 32 steps, half of it with VSENSE set (AP 179).
+    fn max_possible_current_ma(&self) -> i32 {
+        let steps = self.kept_value(AxisParameter::MaxCurrent) / 8 + 1;
+        (FULL_SCALE_MA * steps / 32) >> self.kept_value(AxisParameter::Vsense).clamp(0, 1)
+    }
+
+    /// AP 18.
+    fn status_word(&self) -> i32 {
+        let bits = [
+            (0, self.is_position_reached()),
+            (3, self.mode == RampMode::Position),
+            (4, self.mode == RampMode::Velocity),
+            (9, self.sensed.supply_voltage_dv < UNDERVOLTAGE_DV),
+            (10, self.sensed.supply_voltage_dv > OVERVOLTAGE_DV),
+            (11, self.sensed.temperature_c >= OVERTEMPERATURE_C),
+        ];
+        bits.into_iter().fold(0, |word, (bit, set)| word | (i32::from(set) << bit))
+    }
+}
+
+fn isqrt(value: i32) -> i32 {
+    value.checked_isqrt().unwrap_or(0)
+}
