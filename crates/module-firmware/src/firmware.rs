@@ -24,7 +24,7 @@ pub struct Firmware<A: Axis> {
 }
 
 /// A request whose reply waits for the storage.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Pending {
     port: PortId,
     envelope: Envelope,
@@ -98,14 +98,18 @@ impl<A: Axis> Firmware<A> {
         self.port_mut(port)?.pop()
     }
 
+    /// Whether bytes wait to leave a port.
+    #[must_use]
+    pub fn has_output(&self, port: PortId) -> bool {
+        self.ports.get(port.index()).is_some_and(Port::has_output)
+    }
+
     /// The client at a port went away: what it left half-said or unread is forgotten.
     pub fn disconnect(&mut self, port: PortId) {
         if let Some(port) = self.port_mut(port) {
             port.clear();
         }
-        if self.pending.as_ref().is_some_and(|pending| pending.port == port)
-            && let Some(pending) = &mut self.pending
-        {
+        if let Some(pending) = self.pending.as_mut().filter(|pending| pending.port == port) {
             pending.envelope.answer = false;
         }
     }
@@ -221,17 +225,17 @@ impl<A: Axis> Firmware<A> {
     }
 
     fn work<S: Storage>(&mut self, pending: Pending, storage: &mut S) {
-        let Pending { port, envelope, mut reply, job } = pending;
+        let Pending { port, envelope, reply, job } = pending;
         match self.step(job, storage) {
-            Ok(Progress::More(job)) => self.pending = Some(Pending { port, envelope, reply, job }),
+            Ok(Progress::More(job)) => self.pending = Some(Pending { job, ..pending }),
             Ok(Progress::Done) => self.answer(port, envelope, reply),
             Ok(Progress::Restart) => {
                 self.answer(port, envelope, reply);
                 self.restart(storage);
             }
             Err(_) => {
-                reply = Reply { status: Status::NotAvailable, value: 0, ..reply };
-                self.answer(port, envelope, reply);
+                let refusal = Reply { status: Status::NotAvailable, value: 0, ..reply };
+                self.answer(port, envelope, refusal);
             }
         }
     }

@@ -61,6 +61,11 @@ impl Port {
         self.outbox.pop()
     }
 
+    /// Whether bytes wait for outside.
+    pub(crate) fn has_output(&self) -> bool {
+        !self.outbox.is_empty()
+    }
+
     /// The next event in the bytes that wait. None while a reply and an event would not fit the outbox.
     pub(crate) fn next_event(
         &mut self,

@@ -18,6 +18,10 @@ impl<const N: usize> Ring<N> {
         N - self.length
     }
 
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
     /// Appends a byte; false when it did not fit.
     pub(crate) fn push(&mut self, byte: u8) -> bool {
         let Some(slot) = self.bytes.get_mut((self.start + self.length) % N).filter(|_| self.length < N)

@@ -1,0 +1,40 @@
+//! A non-volatile memory that survives a power cycle of the virtual module, though not the end of the process.
+
+use std::collections::BTreeMap;
+
+use module_firmware::{RecordKey, Storage, StorageError};
+
+/// Records in memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Eeprom {
+    records: BTreeMap<u16, Vec<u8>>,
+    writes: u64,
+}
+
+impl Eeprom {
+    /// Records written since it was new.
+    #[must_use]
+    pub fn writes(&self) -> u64 {
+        self.writes
+    }
+}
+
+impl Storage for Eeprom {
+    fn read(&mut self, key: RecordKey, out: &mut [u8]) -> Result<usize, StorageError> {
+        let Some(record) = self.records.get(&key.to_u16()) else { return Ok(0) };
+        let target = out.get_mut(..record.len()).ok_or(StorageError::Medium)?;
+        target.copy_from_slice(record);
+        Ok(record.len())
+    }
+
+    fn write(&mut self, key: RecordKey, value: &[u8]) -> Result<(), StorageError> {
+        self.records.insert(key.to_u16(), value.to_vec());
+        self.writes += 1;
+        Ok(())
+    }
+
+    fn erase(&mut self) -> Result<(), StorageError> {
+        self.records.clear();
+        Ok(())
+    }
+}
