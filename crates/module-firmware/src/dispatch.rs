@@ -319,7 +319,7 @@ impl<A: Axis> Firmware<A> {
 /// Whether the module has the command, a host may send it, its named type exists, and its motor is motor 0.
 fn admit<A: Axis>(request: &Request) -> Result<Command, Status> {
     let entry = A::SPEC.command(request.command).ok_or(Status::InvalidCommand)?;
-    if !entry.spec.modes.allow(Mode::Direct) {
+    if !entry.modes.allow(Mode::Direct) {
         return Err(Status::NotAvailable);
     }
     if entry.spec.type_field == TypeField::Named && !entry.types.contains(&request.kind) {

@@ -65,7 +65,6 @@ mod tests {
     use super::*;
 
     #[test]
-    #[expect(clippy::float_arithmetic, reason = "the reference is the platform-independent libm")]
     fn the_vector_follows_sine_and_cosine_to_half_a_unit() {
         for phase in 0..4 * PERIOD {
             let angle = f64::from(phase) * core::f64::consts::TAU / f64::from(PERIOD);

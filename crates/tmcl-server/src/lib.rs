@@ -1,1 +1,25 @@
+//! Virtual TMCL modules on TCP ports and pseudo terminals, paced by the wall clock.
+//!
+//! A [`Server`] owns a bench. One thread paces it; each client has a thread that reads and one that writes what the module
+//! says unasked. A command is answered by the thread that read it, at once: the bench sits behind a mutex that nobody holds
+//! longer than a tenth of a millisecond.
+//!
+//! This crate must never know what a command means: bytes go through.
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "an edge: sockets, threads and the wall clock live here and in the command line only"
+)]
 
+mod connection;
+mod pacer;
+#[cfg(unix)]
+mod pty;
+mod server;
+mod shared;
+mod tcp;
+
+#[cfg(unix)]
+pub use pty::PtyError;
+pub use server::{ListenError, Server};
+pub use shared::Notice;

@@ -181,6 +181,8 @@ pub struct ModuleCommand {
     pub section: &'static str,
     /// The named types this module has.
     pub types: &'static [u8],
+    /// Where it may be used; a module without program memory has direct mode only.
+    pub modes: Modes,
     /// Where it comes from when the manual does not have it; empty otherwise.
     pub beyond_manual: &'static str,
 }

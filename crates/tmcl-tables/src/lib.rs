@@ -20,7 +20,7 @@ pub use command::{
 pub use generated::{
     Command, GlobalParameter, Interrupt, MODULES, STATUSES, Status, commands, tmcm_1076, tmcm_1311, tmcm_1640,
 };
-pub use markdown::{CommandsMarkdown, ParametersMarkdown};
+pub use markdown::{CommandsMarkdown, ParametersMarkdown, Selection};
 pub use module::{
     Direction, GlobalSpec, InterruptSpec, ModuleSpec, PortSpec, StatusSpec, UnknownModule, module_by_id,
 };

@@ -4,24 +4,57 @@ use core::fmt::{Display, Formatter, Result};
 
 use crate::{GlobalSpec, ModuleSpec, ParameterSpec, Source};
 
-/// Every parameter of a module, axis parameters first, as a Markdown page.
-pub struct ParametersMarkdown<'a>(pub &'a ModuleSpec);
+/// Which parameters of a module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Selection {
+    /// Axis parameters, then every bank.
+    All,
+    /// Axis parameters only.
+    Axis,
+    /// Global parameters of one bank.
+    Bank(u8),
+}
+
+impl Selection {
+    /// Whether axis parameters are among them.
+    #[must_use]
+    pub fn has_axis(self) -> bool {
+        matches!(self, Self::All | Self::Axis)
+    }
+
+    /// Whether the global parameters of `bank` are among them.
+    #[must_use]
+    pub fn has_bank(self, bank: u8) -> bool {
+        self == Self::All || self == Self::Bank(bank)
+    }
+}
+
+/// Parameters of a module as a Markdown page.
+pub struct ParametersMarkdown<'a> {
+    /// The module.
+    pub module: &'a ModuleSpec,
+    /// Which of its parameters.
+    pub selection: Selection,
+}
 
 /// Every command of a module as a Markdown table.
 pub struct CommandsMarkdown<'a>(pub &'a ModuleSpec);
 
 impl Display for ParametersMarkdown<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        writeln!(f, "# {} parameters\n", self.0.name)?;
-        writeln!(f, "Marked †: not printed in the manual, chosen by OpenTMCL.\n")?;
-        writeln!(f, "## Axis parameters\n")?;
-        write_header(f)?;
-        for parameter in self.0.axis_parameters {
-            write_row(f, parameter, parameter.number)?;
+        writeln!(f, "# {} parameters\n", self.module.name)?;
+        writeln!(f, "Marked †: not printed in the manual, chosen by OpenTMCL.")?;
+        if self.selection.has_axis() {
+            writeln!(f, "\n## Axis parameters\n")?;
+            write_header(f)?;
+            for parameter in self.module.axis_parameters {
+                write_row(f, parameter, parameter.number)?;
+            }
         }
         for bank in [0, 2, 3] {
-            let entries = || self.0.global_parameters.iter().filter(|entry| entry.bank == bank);
-            if entries().next().is_none() {
+            let globals = self.module.global_parameters;
+            let entries = || globals.iter().filter(move |entry| entry.bank == bank);
+            if !self.selection.has_bank(bank) || entries().next().is_none() {
                 continue;
             }
             writeln!(f, "\n## Global parameters, bank {bank}\n")?;
@@ -107,7 +140,7 @@ impl Display for CommandsMarkdown<'_> {
                 write!(f, "{separator}{} = {text}", named.value)?;
             }
             let tick = |allowed| if allowed { "✓" } else { "" };
-            write!(f, " | {} | {} | {}", tick(spec.modes.direct), tick(spec.modes.program), entry.section)?;
+            write!(f, " | {} | {} | {}", tick(entry.modes.direct), tick(entry.modes.program), entry.section)?;
             write!(f, " | {}", spec.summary)?;
             if !entry.beyond_manual.is_empty() {
                 write!(f, "<br>*Beyond the manual: {}*", entry.beyond_manual)?;

@@ -1,1 +1,32 @@
-fn main() {}
+//! `tmcl`, the command line of OpenTMCL.
+//!
+//! stdout is data, stderr is messages. Exit codes stand in [`exit::Code`].
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "an edge: arguments, files and signals are its business"
+)]
+
+mod arguments;
+mod commands;
+mod exit;
+mod module_name;
+mod print;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Serve(options) => commands::serve::run(&options),
+        Command::Modules(options) => commands::modules::run(&options),
+        Command::Params(options) => commands::params::run(&options),
+        Command::Commands(options) => commands::commands::run(&options),
+        Command::Completions { shell } => commands::completions::run(shell),
+        Command::Man { out } => commands::man::run(out.as_deref()),
+    };
+    exit::finish(outcome)
+}

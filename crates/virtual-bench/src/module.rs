@@ -27,7 +27,7 @@ pub(crate) trait VirtualModule {
 
 /// A module on the bench.
 #[derive(Clone, Debug)]
-pub struct Module<A: Axis, H> {
+pub(crate) struct Module<A: Axis, H> {
     firmware: Firmware<A>,
     hardware: H,
     eeprom: Eeprom,
@@ -39,8 +39,7 @@ where
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive>,
 {
     /// A module that is switched on with what its EEPROM holds.
-    #[must_use]
-    pub fn new(hardware: H, mut eeprom: Eeprom) -> Self {
+    pub(crate) fn new(hardware: H, mut eeprom: Eeprom) -> Self {
         Self { firmware: Firmware::power_on(&mut eeprom), hardware, eeprom }
     }
 

@@ -66,7 +66,6 @@ fn commands(commands: &[Command]) -> String {
                 )
             })
             .collect();
-        let mode = |name: &str| command.modes.iter().any(|mode| mode == name);
         let _ = writeln!(
             text,
             "CommandSpec {{ command: Command::{}, number: {}, mnemonic: {:?}, id: {:?}, name: {:?}, summary: {:?}, \
@@ -85,8 +84,8 @@ fn commands(commands: &[Command]) -> String {
             camel(&command.motor_field),
             camel(&command.value_field),
             types.join(", "),
-            mode("direct"),
-            mode("program"),
+            has_mode(command, "direct"),
+            has_mode(command, "program"),
             command.starts_motion,
             command.repeat_safe,
             command.note,
@@ -196,8 +195,11 @@ fn module_file(tables: &Tables, module: &Module) -> String {
             entry.types.clone().unwrap_or_else(|| command.types.iter().map(|named| named.value).collect());
         let _ = writeln!(
             text,
-            "ModuleCommand {{ spec: &commands::COMMANDS[{index}], section: {:?}, types: &{types:?}, beyond_manual: {:?} }},",
-            entry.section, entry.beyond_manual
+            "ModuleCommand {{ spec: &commands::COMMANDS[{index}], section: {:?}, types: &{types:?}, modes: Modes {{ direct: {}, program: {} }}, beyond_manual: {:?} }},",
+            entry.section,
+            has_mode(command, "direct"),
+            has_mode(command, "program") && module.identity.program_memory > 0,
+            entry.beyond_manual
         );
     }
     let _ = writeln!(text, "];\n\nstatic AXIS_PARAMETERS: [ParameterSpec; {}] = [", module.axis.len());
@@ -361,6 +363,10 @@ fn numbered_enum(name: &str, doc: &str, variants: &[(String, String, String)]) -
         let _ = writeln!(text, "{number} => Self::{variant},");
     }
     text + "other => return Err(other),\n}) } }\n\n"
+}
+
+fn has_mode(command: &Command, name: &str) -> bool {
+    command.modes.iter().any(|mode| mode == name)
 }
 
 fn camel(id: &str) -> String {

@@ -1,0 +1,102 @@
+//! Virtual time that follows the wall clock, `speed` times as fast.
+
+use std::time::{Duration, Instant};
+
+use virtual_bench::{Bench, TICK_NS};
+
+/// How far virtual time may fall behind before it slips: it never sprints to catch up.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// How long one catching-up may take: whoever waits for the bench waits no longer than this.
+const SLICE: Duration = Duration::from_micros(80);
+
+/// Control periods between two looks at the clock.
+const TICKS_PER_LOOK: u64 = 16;
+
+/// A bench and the clock it follows.
+pub(crate) struct Paced {
+    pub(crate) bench: Bench,
+    speed: f64,
+    /// The instant at which virtual time was `origin_ns`.
+    origin: Instant,
+    origin_ns: u64,
+}
+
+/// How a catching-up ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CaughtUp {
+    /// Virtual time is where it should be.
+    Yes,
+    /// There is more to do; others may go first.
+    NotYet,
+    /// The machine is too slow: this much wall-clock time was given up.
+    Slipped(Duration),
+}
+
+impl Paced {
+    pub(crate) fn new(bench: Bench, speed: f64, now: Instant) -> Self {
+        let origin_ns = bench.time_ns();
+        Self { bench, speed, origin: now, origin_ns }
+    }
+
+    /// Runs the bench towards the present, for a slice of time at most.
+    pub(crate) fn catch_up(&mut self, now: Instant) -> CaughtUp {
+        let target_ns = self.virtual_ns(now);
+        while target_ns.saturating_sub(self.bench.time_ns()) >= TICK_NS {
+            let look_ns = self.bench.time_ns().saturating_add(TICKS_PER_LOOK * TICK_NS);
+            self.bench.advance_to(target_ns.min(look_ns));
+            if now.elapsed() > SLICE {
+                return self.unfinished(now, target_ns);
+            }
+        }
+        CaughtUp::Yes
+    }
+
+    /// Slips when too far behind.
+    fn unfinished(&mut self, now: Instant, target_ns: u64) -> CaughtUp {
+        let behind_ns = target_ns.saturating_sub(self.bench.time_ns());
+        let behind = Duration::from_secs_f64(Duration::from_nanos(behind_ns).as_secs_f64() / self.speed);
+        if behind <= PATIENCE {
+            return CaughtUp::NotYet;
+        }
+        (self.origin, self.origin_ns) = (now, self.bench.time_ns());
+        CaughtUp::Slipped(behind)
+    }
+
+    fn virtual_ns(&self, now: Instant) -> u64 {
+        let elapsed_ns = now.saturating_duration_since(self.origin).as_nanos() as f64 * self.speed;
+        self.origin_ns.saturating_add(elapsed_ns as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paced(speed: f64, start: Instant) -> Paced {
+        Paced::new(Bench::new(&[]), speed, start)
+    }
+
+    #[test]
+    fn virtual_time_is_wall_time_times_speed() {
+        let start = Instant::now();
+        let mut paced = paced(2.0, start);
+        assert_eq!(paced.catch_up(start + Duration::from_millis(10)), CaughtUp::Yes);
+        assert_eq!(paced.bench.time_ns(), 20_000_000);
+    }
+
+    #[test]
+    fn what_cannot_be_caught_up_is_given_up_not_sprinted_after() {
+        let start = Instant::now() - Duration::from_secs(3600);
+        let mut paced = paced(1000.0, start);
+        let now = Instant::now();
+        let slipped = (0..1_000_000).find_map(|_| match paced.catch_up(now) {
+            CaughtUp::Slipped(by) => Some(by),
+            CaughtUp::Yes | CaughtUp::NotYet => None,
+        });
+        assert!(slipped.is_some_and(|by| by > PATIENCE));
+        // From here on virtual time goes on from where it is.
+        let reached_ns = paced.bench.time_ns();
+        assert!(paced.virtual_ns(now) <= reached_ns + TICK_NS);
+    }
+}

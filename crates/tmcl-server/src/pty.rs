@@ -1,0 +1,84 @@
+//! Pseudo terminals: serial ports that exist in software only.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::os::fd::OwnedFd;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustix::fs::{Mode, OFlags};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+
+use crate::connection::Connection;
+use crate::shared::Shared;
+
+/// Why there is no pseudo terminal at a path.
+#[derive(Debug, thiserror::Error)]
+pub enum PtyError {
+    /// Something stands at the path that is no leftover of ours.
+    #[error("{0} exists; choose another path, or remove it if nothing uses it")]
+    Exists(PathBuf),
+    /// The link could not be made.
+    #[error("cannot make the link {0}: {1}")]
+    Link(PathBuf, #[source] io::Error),
+    /// The system has no pseudo terminal for us.
+    #[error("cannot open a pseudo terminal: {0}")]
+    Open(#[from] io::Error),
+    /// Every port of the module is taken.
+    #[error("all ports of the module are in use")]
+    NoPort,
+}
+
+/// A pseudo terminal with a link to it, which goes when this goes.
+pub(crate) struct Pty {
+    link: PathBuf,
+    /// Held open so that clients may come and go; a byte written here wakes the reading thread.
+    terminal: File,
+}
+
+impl Pty {
+    /// Opens a pseudo terminal, links `path` to it, and serves whoever opens it.
+    pub(crate) fn listen(shared: &Arc<Shared>, path: &Path) -> Result<Self, PtyError> {
+        let (controller, terminal, name) = open().map_err(io::Error::from)?;
+        remove_stale_link(path)?;
+        std::os::unix::fs::symlink(&name, path).map_err(|error| PtyError::Link(path.to_owned(), error))?;
+        let pty = Self { link: path.to_owned(), terminal: File::from(terminal) };
+        let reader = File::from(controller);
+        let connection = Connection::open(shared, reader.try_clone()?).ok_or(PtyError::NoPort)?;
+        std::thread::spawn(move || {
+            // The terminal is held open on our side, so this ends when the server does.
+            let _ = connection.serve(reader);
+        });
+        Ok(pty)
+    }
+}
+
+impl Drop for Pty {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.link);
+        let _ = self.terminal.write_all(&[0]);
+    }
+}
+
+/// Controller and terminal, the terminal raw: it neither echoes nor rewrites a byte.
+fn open() -> rustix::io::Result<(OwnedFd, OwnedFd, PathBuf)> {
+    let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+    grantpt(&controller)?;
+    unlockpt(&controller)?;
+    let name = ptsname(&controller, Vec::new())?;
+    let terminal = rustix::fs::open(&*name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty())?;
+    let mut settings = tcgetattr(&terminal)?;
+    settings.make_raw();
+    tcsetattr(&terminal, OptionalActions::Now, &settings)?;
+    Ok((controller, terminal, PathBuf::from(name.to_string_lossy().into_owned())))
+}
+
+/// A link that a server left behind when it was killed points nowhere; anything else is somebody's.
+fn remove_stale_link(path: &Path) -> Result<(), PtyError> {
+    let Ok(found) = path.symlink_metadata() else { return Ok(()) };
+    if !found.is_symlink() || path.exists() {
+        return Err(PtyError::Exists(path.to_owned()));
+    }
+    std::fs::remove_file(path).map_err(|error| PtyError::Link(path.to_owned(), error))
+}

@@ -1,0 +1,97 @@
+//! The server: a bench, its pacer, and its listeners.
+
+use std::io;
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use virtual_bench::Bench;
+
+use crate::shared::{Notice, Shared};
+use crate::tcp::Tcp;
+
+/// How often virtual time is brought up to date when nobody asks.
+const PACE: Duration = Duration::from_millis(1);
+
+/// Why a server does not listen where it was told to.
+#[derive(Debug, thiserror::Error)]
+pub enum ListenError {
+    /// The host's name means nothing.
+    #[error("cannot resolve {0}: {1}")]
+    Resolve(String, #[source] io::Error),
+    /// The address is taken, or not ours.
+    #[error("cannot listen on {0}: {1}")]
+    Bind(String, #[source] io::Error),
+}
+
+/// A bench on ports. It stops when dropped, and takes its links with it.
+pub struct Server {
+    shared: Arc<Shared>,
+    pacer: Option<JoinHandle<()>>,
+    tcp: Vec<Tcp>,
+    #[cfg(unix)]
+    ptys: Vec<crate::pty::Pty>,
+}
+
+impl Server {
+    /// Starts pacing `bench` at `speed` times the wall clock. `notify` hears what a user may want to know; it is called
+    /// from the server's threads.
+    #[must_use]
+    pub fn start(bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
+        let shared = Arc::new(Shared::new(bench, speed, Box::new(notify)));
+        let paced = Arc::clone(&shared);
+        let pacer = std::thread::spawn(move || {
+            while !paced.is_stopping() {
+                std::thread::sleep(PACE);
+                paced.pace();
+            }
+        });
+        Self {
+            shared,
+            pacer: Some(pacer),
+            tcp: Vec::new(),
+            #[cfg(unix)]
+            ptys: Vec::new(),
+        }
+    }
+
+    /// Listens at `address`, `host:port`; port 0 picks a free one. Returns where it really listens.
+    ///
+    /// # Errors
+    /// [`ListenError`] when the address cannot be resolved or bound.
+    pub fn listen_tcp(&mut self, address: &str) -> Result<SocketAddr, ListenError> {
+        let addresses: Vec<_> = address
+            .to_socket_addrs()
+            .map_err(|error| ListenError::Resolve(address.to_owned(), error))?
+            .collect();
+        let tcp = Tcp::listen(&self.shared, &addresses)
+            .map_err(|error| ListenError::Bind(address.to_owned(), error))?;
+        let address = tcp.address();
+        self.tcp.push(tcp);
+        Ok(address)
+    }
+
+    /// Opens a pseudo terminal and links `path` to it.
+    ///
+    /// # Errors
+    /// [`crate::PtyError`] when the path is taken or there is no terminal or port to be had.
+    #[cfg(unix)]
+    pub fn listen_pty(&mut self, path: &std::path::Path) -> Result<(), crate::PtyError> {
+        self.ptys.push(crate::pty::Pty::listen(&self.shared, path)?);
+        Ok(())
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.shared.stop();
+        self.tcp.iter().for_each(Tcp::close);
+        #[cfg(unix)]
+        self.ptys.clear();
+        if let Some(pacer) = self.pacer.take() {
+            // A pacer that panicked has said so already.
+            let _ = pacer.join();
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! TCP listeners: each client has a port of the module to itself while it stays.
+
+use std::io;
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::{Arc, Mutex};
+
+use crate::connection::Connection;
+use crate::shared::{Notice, Shared, lock};
+
+/// A listening socket and its clients.
+pub(crate) struct Tcp {
+    address: SocketAddr,
+    clients: Arc<Mutex<Vec<TcpStream>>>,
+}
+
+impl Tcp {
+    /// Listens at `address`, and serves every client in threads of its own.
+    pub(crate) fn listen(shared: &Arc<Shared>, address: &[SocketAddr]) -> io::Result<Self> {
+        let listener = TcpListener::bind(address)?;
+        let address = listener.local_addr()?;
+        let clients = Arc::new(Mutex::new(Vec::new()));
+        let (shared, known) = (Arc::clone(shared), Arc::clone(&clients));
+        std::thread::spawn(move || accept(&listener, &shared, &known));
+        Ok(Self { address, clients })
+    }
+
+    /// Where it listens; the port is a real one even if 0 was asked for.
+    pub(crate) fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Wakes the listener, which sees that the server stops, and ends every client's connection.
+    pub(crate) fn close(&self) {
+        let _ = TcpStream::connect(self.address);
+        for client in lock(&self.clients).drain(..) {
+            let _ = client.shutdown(Shutdown::Both);
+        }
+    }
+}
+
+fn accept(listener: &TcpListener, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<TcpStream>>>) {
+    for stream in listener.incoming() {
+        if shared.is_stopping() {
+            return;
+        }
+        if let Err(error) = stream.and_then(|stream| welcome(stream, shared, clients)) {
+            // One client's failure is no reason to turn the next away.
+            shared.notify(Notice::ListenerFailed(error.to_string()));
+        }
+    }
+}
+
+fn welcome(stream: TcpStream, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<TcpStream>>>) -> io::Result<()> {
+    // A reply is nine bytes, and the client waits for it.
+    stream.set_nodelay(true)?;
+    let peer = stream.peer_addr()?;
+    let Some(connection) = Connection::open(shared, stream.try_clone()?) else {
+        shared.notify(Notice::Refused(peer.to_string()));
+        return stream.shutdown(Shutdown::Both);
+    };
+    lock(clients).push(stream.try_clone()?);
+    let clients = Arc::clone(clients);
+    std::thread::spawn(move || {
+        // A connection that breaks is a client that went.
+        let _ = connection.serve(&stream);
+        let _ = stream.shutdown(Shutdown::Both);
+        lock(&clients).retain(|client| client.peer_addr().is_ok_and(|other| other != peer));
+    });
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! How the program ends.
+
+use std::process::ExitCode;
+
+/// Exit codes. A script may rely on them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Code {
+    /// The command line makes no sense (clap uses this code too).
+    Usage = 2,
+    /// A port, or a module behind it, cannot be reached.
+    Connection = 3,
+}
+
+/// Why a command did not do what it was asked to.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    code: Code,
+    message: String,
+}
+
+impl Failure {
+    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
+    }
+}
+
+/// What a command returns.
+pub(crate) type Outcome = Result<(), Ending>;
+
+/// How a command ends when it does not simply end.
+#[derive(Debug)]
+pub(crate) enum Ending {
+    /// With a message and a code.
+    Failure(Failure),
+    /// Writing its output failed.
+    Output(std::io::Error),
+}
+
+impl From<Failure> for Ending {
+    fn from(failure: Failure) -> Self {
+        Self::Failure(failure)
+    }
+}
+
+impl From<std::io::Error> for Ending {
+    fn from(error: std::io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
+/// Says what went wrong, if anything, and with which code the process ends.
+pub(crate) fn finish(outcome: Outcome) -> ExitCode {
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads us has read enough, as in `tmcl params tmcm-1311 | head`.
+        Err(Ending::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Ending::Output(error)) => {
+            crate::print::error(&format!("cannot write the output: {error}"));
+            ExitCode::FAILURE
+        }
+        Err(Ending::Failure(failure)) => {
+            crate::print::error(&failure.message);
+            ExitCode::from(failure.code as u8)
+        }
+    }
+}

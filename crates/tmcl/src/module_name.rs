@@ -1,0 +1,52 @@
+//! Module names on the command line: `tmcm-1311`, `1311`, `tmcm-1311@5`.
+
+use tmcl_tables::{MODULES, ModuleSpec, module_by_id};
+use virtual_bench::{ModuleKind, ModuleSetup};
+
+/// Why a name names nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum NameError {
+    /// No such module.
+    #[error("no such module; there are {0}")]
+    Module(String),
+    /// A module that the tables know, but that there is no virtual one of.
+    #[error("there is no virtual one yet; there is {0}")]
+    NotVirtual(String),
+    /// The part behind the `@`.
+    #[error("the address behind the @ is a number from 0 to 255, not `{0}`")]
+    Address(String),
+}
+
+/// A module that the tables know.
+pub(crate) fn spec(name: &str) -> Result<&'static ModuleSpec, NameError> {
+    module_by_id(name).map_err(|_| NameError::Module(list(MODULES.iter().map(|spec| spec.id))))
+}
+
+/// A virtual module, with its address where one is given.
+pub(crate) fn setup(name: &str) -> Result<ModuleSetup, NameError> {
+    let (name, address) = name.split_once('@').map_or((name, None), |(name, address)| (name, Some(address)));
+    let kind = ModuleKind::try_from(spec(name)?)
+        .map_err(|_| NameError::NotVirtual(list(ModuleKind::ALL.iter().map(|kind| kind.spec().id))))?;
+    let address =
+        address.map(|text| text.parse().map_err(|_| NameError::Address(text.to_owned()))).transpose()?;
+    Ok(ModuleSetup { kind, address })
+}
+
+fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_stands_behind_an_at_sign() {
+        let kind = ModuleKind::Tmcm1311;
+        assert_eq!(setup("tmcm-1311"), Ok(ModuleSetup { kind, address: None }));
+        assert_eq!(setup("TMCM-1311@7"), Ok(ModuleSetup { kind, address: Some(7) }));
+        assert_eq!(setup("1311@256"), Err(NameError::Address("256".to_owned())));
+        assert!(matches!(setup("tmcm-1640"), Err(NameError::NotVirtual(_))));
+        assert!(matches!(setup("tmcm-1312"), Err(NameError::Module(_))));
+    }
+}

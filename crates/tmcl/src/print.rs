@@ -1,0 +1,46 @@
+//! Text for people and for machines.
+
+use std::io::{self, Write};
+
+use comfy_table::{CellAlignment, Table, presets};
+use serde::Serialize;
+
+/// `error: …` on stderr, in red where the terminal has colours and `NO_COLOR` does not forbid them.
+pub(crate) fn error(message: &str) {
+    let style = anstyle::AnsiColor::Red.on_default().bold();
+    anstream::eprintln!("{style}error:{style:#} {message}");
+}
+
+/// `note: …` on stderr.
+pub(crate) fn note(message: &str) {
+    let style = anstyle::Style::new().bold();
+    anstream::eprintln!("{style}note:{style:#} {message}");
+}
+
+/// Data on stdout, as it is.
+pub(crate) fn text(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}
+
+/// Data on stdout as JSON.
+pub(crate) fn json(value: &impl Serialize) -> io::Result<()> {
+    text(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// A table without lines; the first column is right-aligned.
+pub(crate) fn table<const N: usize>(
+    header: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> io::Result<()> {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING).set_header(header.map(str::to_uppercase)).add_rows(rows);
+    for (index, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(index > 0), 1));
+        if index == 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    text(&format!("{}\n", table.trim_fmt()))
+}
