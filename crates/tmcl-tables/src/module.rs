@@ -228,7 +228,7 @@ mod tests {
     /// TMCM-1311 §5.7.39 and TMCM-1640 §4.6.25, read as decisions §1.5 has it.
     #[test]
     fn version_numbers() {
-        let versions = MODULES.map(|spec| spec.version_number());
+        let versions = MODULES.map(ModuleSpec::version_number);
         assert_eq!(versions, [0x0434_0102, 0x051F_010B, 0x0668_0200]);
     }
 }

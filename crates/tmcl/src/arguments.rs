@@ -56,8 +56,8 @@ pub(crate) struct Serve {
     /// The module, and its serial address where it is not to be 1
     #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup)]
     pub(crate) module: ModuleSetup,
-    /// Listen here; port 0 picks a free one; may be given several times
-    #[arg(long, value_name = "HOST:PORT")]
+    /// Listen here; port 0 picks a free one, no host means 127.0.0.1; may be given several times
+    #[arg(long, value_name = "HOST:PORT", value_parser = tcp_address)]
     pub(crate) tcp: Vec<String>,
     /// Open a pseudo terminal and link PATH to it; may be given several times
     #[arg(long, value_name = "PATH")]
@@ -111,6 +111,14 @@ pub(crate) struct Format {
     /// Print Markdown, with everything the tables say
     #[arg(long)]
     pub(crate) markdown: bool,
+}
+
+fn tcp_address(text: &str) -> Result<String, String> {
+    let (host, port) = text.rsplit_once(':').unwrap_or(("127.0.0.1", text));
+    match port.parse::<u16>() {
+        Ok(port) if !host.is_empty() => Ok(format!("{host}:{port}")),
+        _ => Err("a host and a port from 0 to 65535 are expected, such as 127.0.0.1:5311".to_owned()),
+    }
 }
 
 fn speed(text: &str) -> Result<f64, String> {

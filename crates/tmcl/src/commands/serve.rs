@@ -29,9 +29,8 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     let addresses =
         if options.tcp.is_empty() && options.pty.is_empty() { &default[..] } else { &options.tcp };
     for address in addresses {
-        let address = server
-            .listen_tcp(&with_host(address))
-            .map_err(|error| Failure::new(Code::Connection, error.to_string()))?;
+        let address =
+            server.listen_tcp(address).map_err(|error| Failure::new(Code::Connection, error.to_string()))?;
         print::text(&format!("listening tcp {address}\n"))?;
         advise_tcp(options, address);
     }
@@ -54,11 +53,6 @@ fn check_ports(options: &Serve) -> Result<(), Failure> {
         return Err(Failure::new(Code::Usage, message));
     }
     Ok(())
-}
-
-/// A bare port means loopback.
-fn with_host(address: &str) -> String {
-    if address.parse::<u16>().is_ok() { format!("127.0.0.1:{address}") } else { address.to_owned() }
 }
 
 #[cfg(unix)]

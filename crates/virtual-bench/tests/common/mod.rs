@@ -1,0 +1,165 @@
+//! A host that talks to a virtual TMCM-1311 in process, and takes nothing that the wire format does not allow.
+#![allow(dead_code, reason = "every test crate uses another part of it")]
+
+use tmcl_tables::tmcm_1311::AxisParameter;
+use tmcl_tables::{Command, GlobalParameter, Status};
+use tmcl_wire::serial::{self, DATAGRAM_LENGTH};
+use tmcl_wire::{Reply, Request};
+use virtual_bench::{Bench, ModuleId, ModuleKind, ModuleSetup, PortId, TICK_NS};
+
+/// The bank of the user variables (§10.3).
+pub(crate) const VARIABLES: u8 = 2;
+
+/// The EEPROM in the motor field of SCO and GCO.
+pub(crate) const EEPROM: u8 = 255;
+
+/// Control periods in a millisecond.
+pub(crate) const TICKS_PER_MS: u64 = 1_000_000 / TICK_NS;
+
+const MODULE: ModuleId = ModuleId(0);
+
+/// A module, and where the host believes it and itself to be.
+#[derive(Clone, Debug)]
+pub(crate) struct Module {
+    pub(crate) bench: Bench,
+    pub(crate) port: PortId,
+    pub(crate) address: u8,
+    pub(crate) host: u8,
+}
+
+impl Module {
+    /// A module as delivered: address 1, host 2 (decisions 2a.20).
+    pub(crate) fn new() -> Self {
+        let bench = Bench::new(&[ModuleSetup { kind: ModuleKind::Tmcm1311, address: None }]);
+        Self { bench, port: PortId::ALL[0], address: 1, host: 2 }
+    }
+
+    /// Bytes to the module, and what comes back in no virtual time.
+    pub(crate) fn exchange(&mut self, bytes: &[u8]) -> Vec<u8> {
+        self.bench.exchange(MODULE, self.port, bytes)
+    }
+
+    /// Sends a datagram; whatever comes back must be whole, intact and from this module to this host.
+    #[track_caller]
+    pub(crate) fn replies(&mut self, request: Request) -> Vec<Reply> {
+        let bytes = self.exchange(&serial::encode_request(self.address, request));
+        self.decode(&bytes)
+    }
+
+    /// Sends a datagram and takes exactly one reply, to this very command; an error carries the value 0 (decisions 1.4).
+    #[track_caller]
+    pub(crate) fn request(&mut self, request: Request) -> Reply {
+        let replies = self.replies(request);
+        let [reply] = replies[..] else { panic!("one reply wanted to {request:?}, got {replies:?}") };
+        assert_eq!(reply.command, request.command, "{request:?}");
+        if reply.status != Status::Ok {
+            assert_eq!(reply.value, 0, "{request:?} got {reply:?}");
+        }
+        reply
+    }
+
+    /// [`Module::request`], by its fields.
+    #[track_caller]
+    pub(crate) fn send(&mut self, command: Command, kind: u8, motor: u8, value: i32) -> Reply {
+        self.request(Request::new(command, kind, motor, value))
+    }
+
+    /// Sends what must succeed, and returns the value of the reply.
+    #[track_caller]
+    pub(crate) fn ok(&mut self, command: Command, kind: u8, motor: u8, value: i32) -> i32 {
+        let reply = self.send(command, kind, motor, value);
+        assert_eq!(reply.status, Status::Ok, "{command:?} {kind}, {motor}, {value}");
+        reply.value
+    }
+
+    /// The status of the reply.
+    #[track_caller]
+    pub(crate) fn status(&mut self, command: Command, kind: u8, motor: u8, value: i32) -> Status {
+        self.send(command, kind, motor, value).status
+    }
+
+    /// Sends what must be executed but not answered.
+    #[track_caller]
+    pub(crate) fn unanswered(&mut self, command: Command, kind: u8, motor: u8, value: i32) {
+        let request = Request::new(command, kind, motor, value);
+        assert_eq!(self.replies(request), [], "{request:?}");
+    }
+
+    /// SAP, which must succeed.
+    #[track_caller]
+    pub(crate) fn sap(&mut self, parameter: AxisParameter, value: i32) {
+        self.ok(Command::SetAxisParameter, parameter.number(), 0, value);
+    }
+
+    /// GAP, which must succeed.
+    #[track_caller]
+    pub(crate) fn gap(&mut self, parameter: AxisParameter) -> i32 {
+        self.ok(Command::GetAxisParameter, parameter.number(), 0, 0)
+    }
+
+    /// SGP in bank 0 or 3, which must succeed.
+    #[track_caller]
+    pub(crate) fn sgp(&mut self, parameter: GlobalParameter, value: i32) {
+        let (bank, number) = parameter.address();
+        self.ok(Command::SetGlobalParameter, number, bank, value);
+    }
+
+    /// GGP in bank 0 or 3, which must succeed.
+    #[track_caller]
+    pub(crate) fn ggp(&mut self, parameter: GlobalParameter) -> i32 {
+        let (bank, number) = parameter.address();
+        self.ok(Command::GetGlobalParameter, number, bank, 0)
+    }
+
+    /// A user variable.
+    #[track_caller]
+    pub(crate) fn variable(&mut self, number: u8) -> i32 {
+        self.ok(Command::GetGlobalParameter, number, VARIABLES, 0)
+    }
+
+    /// A coordinate.
+    #[track_caller]
+    pub(crate) fn coordinate(&mut self, number: u8) -> i32 {
+        self.ok(Command::GetCoordinate, number, 0, 0)
+    }
+
+    /// Replies that came of themselves, such as the second one to command 138.
+    #[track_caller]
+    pub(crate) fn unasked(&mut self) -> Vec<Reply> {
+        let mut bytes = Vec::new();
+        self.bench.transmit(MODULE, self.port, &mut bytes);
+        self.decode(&bytes)
+    }
+
+    /// Lets virtual time pass.
+    pub(crate) fn run_ticks(&mut self, ticks: u64) {
+        self.bench.advance_by(ticks * TICK_NS);
+    }
+
+    /// Lets virtual time pass.
+    pub(crate) fn run_ms(&mut self, ms: u64) {
+        self.run_ticks(ms * TICKS_PER_MS);
+    }
+
+    /// Switches off and on.
+    pub(crate) fn power_cycle(&mut self) {
+        self.bench.power_cycle(MODULE);
+    }
+
+    /// How far the rotor really turned.
+    pub(crate) fn turns(&self) -> f64 {
+        self.bench.physical(MODULE).rotor_turns
+    }
+
+    #[track_caller]
+    fn decode(&self, bytes: &[u8]) -> Vec<Reply> {
+        let (datagrams, rest) = bytes.as_chunks::<DATAGRAM_LENGTH>();
+        assert_eq!(rest, [], "a reply has nine bytes");
+        let decoded = datagrams.iter().map(|datagram| {
+            let (host, module, reply) = serial::decode_reply(*datagram).expect("an intact reply");
+            assert_eq!((host, module), (self.host, self.address), "{reply:?}");
+            reply
+        });
+        decoded.collect()
+    }
+}
