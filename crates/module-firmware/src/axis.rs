@@ -52,6 +52,8 @@ pub trait Axis: Clone + Default {
 
     /// One control period of 50 µs. Constant work.
     fn tick(&mut self, sensed: &Self::Sensed) -> Self::Drive;
+    /// Whether another control period with these sensors would change nothing and command the same.
+    fn is_idle(&self, sensed: &Self::Sensed) -> bool;
     /// The value of a parameter.
     fn get(&self, parameter: Self::Parameter) -> i32;
     /// Changes a parameter.

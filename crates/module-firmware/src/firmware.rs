@@ -83,6 +83,26 @@ impl<A: Axis> Firmware<A> {
         drive
     }
 
+    /// Whether another control period with these sensors would change nothing but the time.
+    #[must_use]
+    pub fn is_idle(&self, sensed: &A::Sensed) -> bool {
+        self.pending.is_none() && self.axis.is_idle(sensed)
+    }
+
+    /// Lets `ticks` control periods pass in which nothing changes ([`Firmware::is_idle`]).
+    pub fn skip(&mut self, ticks: u64) {
+        self.ticks = self.ticks.wrapping_add(ticks);
+    }
+
+    /// How long every port's line may be silent within a datagram before what came of it is dropped; 100 ms by default.
+    ///
+    /// Where time does not run as fast as the clients' does, 100 ms of theirs are another number of ticks.
+    pub fn set_silence(&mut self, ticks: u64) {
+        for port in &mut self.ports {
+            port.silence_ticks = ticks;
+        }
+    }
+
     /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later.
     ///
     /// Bounded work: at most one request is executed.
@@ -172,8 +192,8 @@ impl<A: Axis> Firmware<A> {
             }
             Ok(Outcome::AwaitPosition) => {
                 self.answer(port, envelope, reply(Status::Ok, POSITION_REACHED_MASK));
-                if let Some(port) = self.port_mut(port) {
-                    port.awaits_position = Some(envelope);
+                if let Some(port) = self.port_mut(port).filter(|_| envelope.answer) {
+                    port.awaits_position = port.awaits_position.saturating_add(1);
                 }
                 self.report_position_reached();
             }
@@ -204,22 +224,21 @@ impl<A: Axis> Firmware<A> {
         }
     }
 
-    /// The second reply of command 138 (TMCM-1311 §5.7.37).
+    /// The second reply of command 138 (TMCM-1311 §5.7.37), one for each request, under the addresses that count by now.
     fn report_position_reached(&mut self) {
-        if !self.axis.is_position_reached() {
+        if self.ports.iter().all(|port| port.awaits_position == 0) || !self.axis.is_position_reached() {
             return;
         }
+        let envelope = self.envelope(self.globals.byte(GlobalParameter::SerialAddress), false);
         let reply = Reply {
             status: Status::Delayed,
             command: Command::RequestPositionReachedEvent.number(),
             value: POSITION_REACHED_MASK,
         };
         for port in &mut self.ports {
-            if let Some(envelope) = port.awaits_position
-                && port.has_room()
-            {
+            while port.awaits_position > 0 && port.has_room() {
                 port.reply(envelope, reply);
-                port.awaits_position = None;
+                port.awaits_position -= 1;
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::ring::Ring;
 /// Ports of a module.
 pub const PORTS: usize = 4;
 
-/// How long a stream without a baud rate may be silent within a datagram.
+/// How long a stream without a baud rate may be silent within a datagram, unless the surroundings know better.
 const STREAM_SILENCE_TICKS: u64 = 100 * TICKS_PER_MS;
 
 /// Names a port: 0 to 3.
@@ -42,13 +42,21 @@ pub(crate) struct Port {
     /// Bytes that wait until a storage job is done or replies have left.
     inbox: Ring<64>,
     outbox: Ring<64>,
-    /// Command 138 waits for the target position.
-    pub(crate) awaits_position: Option<Envelope>,
+    /// How long the line may be silent within a datagram.
+    pub(crate) silence_ticks: u64,
+    /// Requests of command 138 that wait for the target position.
+    pub(crate) awaits_position: u32,
 }
 
 impl Port {
     pub(crate) const fn new() -> Self {
-        Self { decoder: Decoder::new(), inbox: Ring::new(), outbox: Ring::new(), awaits_position: None }
+        Self {
+            decoder: Decoder::new(),
+            inbox: Ring::new(),
+            outbox: Ring::new(),
+            silence_ticks: STREAM_SILENCE_TICKS,
+            awaits_position: 0,
+        }
     }
 
     /// Takes a byte from outside; false when there is no room for it now.
@@ -73,7 +81,7 @@ impl Port {
         address: u8,
         secondary_address: u8,
     ) -> Option<tmcl_wire::Event> {
-        let listener = Listener { address, secondary_address, silence: STREAM_SILENCE_TICKS };
+        let listener = Listener { address, secondary_address, silence: self.silence_ticks };
         while self.outbox.room() >= 2 * serial::DATAGRAM_LENGTH {
             let byte = self.inbox.pop()?;
             if let Some(event) = self.decoder.push(byte, now, &listener) {
@@ -101,14 +109,14 @@ impl Port {
 
     /// Forgets everything, as when a client goes and another comes.
     pub(crate) fn clear(&mut self) {
-        *self = Self::new();
+        *self = Self { silence_ticks: self.silence_ticks, ..Self::new() };
     }
 
     /// Forgets what came in, and keeps what is to go out.
     pub(crate) fn restart(&mut self) {
         self.decoder.reset();
         self.inbox.clear();
-        self.awaits_position = None;
+        self.awaits_position = 0;
     }
 
     fn send(&mut self, envelope: Envelope, datagram: [u8; serial::DATAGRAM_LENGTH]) {

@@ -33,15 +33,17 @@ pub enum PtyError {
 /// A pseudo terminal with a link to it, which goes when this goes.
 pub(crate) struct Pty {
     link: PathBuf,
-    /// Held open so that clients may come and go; a byte written here wakes the reading thread.
+    /// Held open so that clients may come and go; a byte written here wakes the reading thread, and where there is no room
+    /// for it the thread is awake.
     terminal: File,
 }
 
 impl Pty {
     /// Opens a pseudo terminal, links `path` to it, and serves whoever opens it.
     pub(crate) fn listen(shared: &Arc<Shared>, path: &Path) -> Result<Self, PtyError> {
-        let (controller, terminal, name) = open().map_err(io::Error::from)?;
+        // First, lest the new terminal gets the number that the stale link points to.
         remove_stale_link(path)?;
+        let (controller, terminal, name) = open().map_err(io::Error::from)?;
         std::os::unix::fs::symlink(&name, path).map_err(|error| PtyError::Link(path.to_owned(), error))?;
         let pty = Self { link: path.to_owned(), terminal: File::from(terminal) };
         let reader = File::from(controller);
@@ -67,7 +69,7 @@ fn open() -> rustix::io::Result<(OwnedFd, OwnedFd, PathBuf)> {
     grantpt(&controller)?;
     unlockpt(&controller)?;
     let name = ptsname(&controller, Vec::new())?;
-    let terminal = rustix::fs::open(&*name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty())?;
+    let terminal = rustix::fs::open(&*name, OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK, Mode::empty())?;
     let mut settings = tcgetattr(&terminal)?;
     settings.make_raw();
     tcsetattr(&terminal, OptionalActions::Now, &settings)?;

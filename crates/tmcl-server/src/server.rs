@@ -14,6 +14,9 @@ use crate::tcp::Tcp;
 /// How often virtual time is brought up to date when nobody asks.
 const PACE: Duration = Duration::from_millis(1);
 
+/// How long a client may pause within a datagram before what came of it is dropped.
+const LINE_SILENCE: Duration = Duration::from_millis(100);
+
 /// Why a server does not listen where it was told to.
 #[derive(Debug, thiserror::Error)]
 pub enum ListenError {
@@ -38,7 +41,9 @@ impl Server {
     /// Starts pacing `bench` at `speed` times the wall clock. `notify` hears what a user may want to know; it is called
     /// from the server's threads.
     #[must_use]
-    pub fn start(bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
+    pub fn start(mut bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
+        // A client that pauses within a datagram does so by the wall clock.
+        bench.set_silence_ns((LINE_SILENCE.as_nanos() as f64 * speed) as u64);
         let shared = Arc::new(Shared::new(bench, speed, Box::new(notify)));
         let paced = Arc::clone(&shared);
         let pacer = std::thread::spawn(move || {

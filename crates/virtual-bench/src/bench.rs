@@ -158,6 +158,14 @@ impl Bench {
         }
     }
 
+    /// How long the lines of all modules may be silent within a datagram before what came of it is dropped: 100 ms of the
+    /// clients' time, which is virtual time unless said otherwise.
+    pub fn set_silence_ns(&mut self, silence_ns: u64) {
+        for module in &mut self.modules {
+            module.get_mut().set_silence(silence_ns / TICK_NS);
+        }
+    }
+
     /// Switches a module off and on again.
     pub fn power_cycle(&mut self, module: ModuleId) {
         if let Some(module) = self.module_mut(module) {

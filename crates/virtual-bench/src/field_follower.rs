@@ -58,9 +58,9 @@ impl Hardware for FieldFollower {
     }
 
     fn advance(&mut self, drive: &Drive, _until_ns: u64) {
-        let powered = drive.off_time != 0;
-        let scale = if powered { f64::from(drive.current_scale.min(31)) + 1.0 } else { 0.0 } / 32.0;
-        let full_scale_ma = FULL_SCALE_RMS_MA * SQRT_2 * scale * if drive.half_scale { 0.5 } else { 1.0 };
+        let powered = drive.chip.off_time != 0;
+        let scale = if powered { f64::from(drive.chip.current_scale.min(31)) + 1.0 } else { 0.0 } / 32.0;
+        let full_scale_ma = FULL_SCALE_RMS_MA * SQRT_2 * scale * if drive.chip.half_scale { 0.5 } else { 1.0 };
         self.currents_ma = drive.coils.map(|coil| full_scale_ma * f64::from(coil) / VECTOR_LENGTH);
         if powered && drive.coils != self.coils {
             self.coils = drive.coils;
@@ -88,10 +88,13 @@ impl FieldFollower {
 
 #[cfg(test)]
 mod tests {
+    use module_firmware::tmcm_1311::ChipSettings;
+
     use super::*;
 
     fn drive(coils: [i16; 2]) -> Drive {
-        Drive { coils, current_scale: 31, off_time: 5, ..Drive::default() }
+        let chip = ChipSettings { current_scale: 31, off_time: 5, ..ChipSettings::default() };
+        Drive { coils, chip, ..Drive::default() }
     }
 
     #[test]
@@ -107,7 +110,7 @@ mod tests {
     #[test]
     fn bridges_that_are_off_move_nothing_and_carry_nothing() {
         let mut follower = FieldFollower::default();
-        follower.advance(&Drive { off_time: 0, ..drive([0, 248]) }, 0);
+        follower.advance(&Drive { chip: ChipSettings::default(), ..drive([0, 248]) }, 0);
         assert_eq!(follower.physical().rotor_turns, 0.0);
         assert_eq!(follower.sensed().coil_currents_ma, [0, 0]);
     }
@@ -117,7 +120,9 @@ mod tests {
         let mut follower = FieldFollower::default();
         follower.advance(&drive([248, 0]), 0);
         assert_eq!(follower.sensed().coil_currents_ma, [4243, 0]);
-        follower.advance(&Drive { half_scale: true, ..drive([0, -248]) }, 0);
+        let mut half = drive([0, -248]);
+        half.chip.half_scale = true;
+        follower.advance(&half, 0);
         assert_eq!(follower.sensed().coil_currents_ma, [0, -2121]);
     }
 }

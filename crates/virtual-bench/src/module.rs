@@ -17,6 +17,8 @@ pub(crate) trait VirtualModule {
     fn has_output(&self, port: PortId) -> bool;
     /// The client at a port went away.
     fn disconnect(&mut self, port: PortId);
+    /// How long a line may be silent within a datagram.
+    fn set_silence(&mut self, ticks: u64);
     /// Switches it off and on again: the EEPROM keeps its records, the rotor its place.
     fn power_cycle(&mut self);
     /// The truth about the shaft.
@@ -31,6 +33,7 @@ pub(crate) struct Module<A: Axis, H> {
     firmware: Firmware<A>,
     hardware: H,
     eeprom: Eeprom,
+    silence_ticks: Option<u64>,
 }
 
 impl<A, H> Module<A, H>
@@ -40,7 +43,7 @@ where
 {
     /// A module that is switched on with what its EEPROM holds.
     pub(crate) fn new(hardware: H, mut eeprom: Eeprom) -> Self {
-        Self { firmware: Firmware::power_on(&mut eeprom), hardware, eeprom }
+        Self { firmware: Firmware::power_on(&mut eeprom), hardware, eeprom, silence_ticks: None }
     }
 
     /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time.
@@ -93,8 +96,16 @@ where
         self.firmware.disconnect(port);
     }
 
+    fn set_silence(&mut self, ticks: u64) {
+        self.silence_ticks = Some(ticks);
+        self.firmware.set_silence(ticks);
+    }
+
     fn power_cycle(&mut self) {
         self.firmware = Firmware::power_on(&mut self.eeprom);
+        if let Some(ticks) = self.silence_ticks {
+            self.firmware.set_silence(ticks);
+        }
     }
 
     fn physical(&self) -> Physical {

@@ -3,6 +3,7 @@
 //! What stands: open loop. Closed loop, reference search, switches and protection are still to come; their parameters keep
 //! what is written to them (`docs/fidelity.md`).
 
+mod driver;
 mod parameters;
 mod ports;
 
@@ -14,11 +15,10 @@ use tmcl_tables::{ModuleSpec, tmcm_1311 as tables};
 use crate::axis::{Axis, Motion, Refused};
 use crate::values::Values;
 
+pub use driver::{ChipSettings, CoolStep, DriverStatus};
+
 /// Microsteps of 1/256 full step in a full step.
 const MICROSTEPS: i32 = 256;
-
-/// Control periods without a step after which the TMC262 reports standstill: 2^20 clocks at 16 MHz (§6, AP 208).
-const STANDSTILL_TICKS: u32 = 1311;
 
 /// What the module's sensors say, once a control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +37,8 @@ pub struct Sensed {
     pub supply_current_ma: u16,
     /// Temperature of the board.
     pub temperature_c: i16,
+    /// What the driver chip reports.
+    pub driver: DriverStatus,
 }
 
 /// What the power stage and the outputs shall do.
@@ -44,12 +46,8 @@ pub struct Sensed {
 pub struct Drive {
     /// Coil currents A and B, signed, in 1/248 of the current scale.
     pub coils: [i16; 2],
-    /// The TMC262's current scale CS: 0 to 31 for 1/32 to 32/32 of the full-scale current.
-    pub current_scale: u8,
-    /// The TMC262's VSENSE: half the full-scale current.
-    pub half_scale: bool,
-    /// The TMC262's off time; 0 switches the bridges off.
-    pub off_time: u8,
+    /// The rest of what the driver chip is told.
+    pub chip: ChipSettings,
     /// OUT_0 to OUT_7; 1 = on.
     pub outputs: u8,
 }
@@ -74,7 +72,6 @@ pub struct Tmcm1311 {
     phase: u16,
     /// AP 209 less the raw encoder count.
     encoder_offset: i32,
-    ticks_since_step: u32,
     outputs: u8,
     sensed: Sensed,
 }
@@ -93,7 +90,6 @@ impl Default for Tmcm1311 {
             target_velocity: 0,
             phase: 0,
             encoder_offset: 0,
-            ticks_since_step: STANDSTILL_TICKS,
             outputs: 0,
             sensed: Sensed::default(),
         }
@@ -107,8 +103,13 @@ impl Axis for Tmcm1311 {
     type Sensed = Sensed;
     type Drive = Drive;
 
+    fn is_idle(&self, sensed: &Sensed) -> bool {
+        self.sensed == *sensed && self.ramp.is_settled(&self.limits())
+    }
+
     fn tick(&mut self, sensed: &Sensed) -> Drive {
         self.sensed = *sensed;
+        self.stop_on_stall();
         let before = self.ramp.position();
         self.ramp.tick(&self.limits());
         self.step(self.ramp.position().wrapping_sub(before));
@@ -206,11 +207,6 @@ impl Tmcm1311 {
 
     /// Turns the field on by what the ramp moved.
     fn step(&mut self, microsteps: i32) {
-        if microsteps == 0 {
-            self.ticks_since_step = self.ticks_since_step.saturating_add(1);
-            return;
-        }
-        self.ticks_since_step = 0;
         let turned = microsteps.wrapping_mul(self.microstep_size());
         let [_, _, high, low] = turned.to_be_bytes();
         self.phase = self.phase.wrapping_add(u16::from_be_bytes([high, low]));
@@ -218,14 +214,7 @@ impl Tmcm1311 {
 
     fn drive(&self) -> Drive {
         let (a, b) = sine::vector(self.phase);
-        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
-        Drive {
-            coils: [a, b],
-            current_scale: byte(AxisParameter::MaxCurrent) / 8,
-            half_scale: self.kept_value(AxisParameter::Vsense) != 0,
-            off_time: byte(AxisParameter::ChopperOffTime),
-            outputs: self.outputs,
-        }
+        Drive { coils: [a, b], chip: self.chip_settings(), outputs: self.outputs }
     }
 
     fn kept_value(&self, parameter: AxisParameter) -> i32 {

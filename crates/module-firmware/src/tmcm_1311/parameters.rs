@@ -2,7 +2,7 @@
 
 use motion_control::ramp::Goal;
 
-use super::{AxisParameter, RampMode, STANDSTILL_TICKS, Tmcm1311};
+use super::{AxisParameter, RampMode, Tmcm1311};
 use crate::axis::{Axis, Refused};
 
 /// Bit 2 of the encoder mode, which AP 198 mirrors.
@@ -35,9 +35,10 @@ impl Tmcm1311 {
             P::SupplyVoltage => i32::from(self.sensed.supply_voltage_dv),
             P::DcCurrent => i32::from(self.sensed.supply_current_ma),
             P::ModuleTemperature => i32::from(self.sensed.temperature_c),
-            P::CoolstepActualCurrent => self.kept_value(P::MaxCurrent) / 8,
+            P::CoolstepActualCurrent => i32::from(self.sensed.driver.current_scale),
+            P::LoadValue => i32::from(self.sensed.driver.stallguard),
             P::ClearOnNull => i32::from(self.kept_value(P::EncoderMode) & CLEAR_ON_NEXT_NULL != 0),
-            P::DriverErrorFlags => i32::from(self.ticks_since_step >= STANDSTILL_TICKS) << 7,
+            P::DriverErrorFlags => i32::from(self.sensed.driver.flags),
             P::EncoderCounter => self.sensed.encoder_counts.wrapping_add(self.encoder_offset),
             P::MaxVelocity
             | P::MaxAcceleration
@@ -118,7 +119,6 @@ impl Tmcm1311 {
             | P::EncoderMode
             | P::MotorFullSteps
             | P::FreewheelingDelay
-            | P::LoadValue
             | P::EncoderDeviationFlag
             | P::EncoderResolution
             | P::MaxEncoderDeviation

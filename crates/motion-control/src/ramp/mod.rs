@@ -49,6 +49,14 @@ impl Default for Ramp {
 }
 
 impl Ramp {
+    /// Stops at once, whatever the limits, and stays where it is.
+    pub fn halt(&mut self) {
+        self.goal = Goal::Position(self.position);
+        self.fraction = 0;
+        self.velocity = 0;
+        self.braking = false;
+    }
+
     /// What it is driving at.
     #[must_use]
     pub fn goal(&self) -> Goal {

@@ -138,6 +138,20 @@ fn a_target_behind_is_reached_after_braking_and_turning() {
 }
 
 #[test]
+fn a_halt_is_at_once_and_for_good() {
+    let limits = limits(50_000, 100_000);
+    let mut ramp = Ramp::default();
+    ramp.set_goal(Goal::Position(40_000));
+    for _ in 0..8_000 {
+        ramp.tick(&limits);
+    }
+    let position = ramp.position();
+    ramp.halt();
+    ramp.tick(&limits);
+    assert!(ramp.is_on_target() && ramp.position() == position);
+}
+
+#[test]
 fn no_velocity_no_motion() {
     let limits = limits(0, 1000);
     let mut ramp = Ramp::default();

@@ -1,0 +1,102 @@
+//! The TMC262 as the firmware sees it: what it is told, what it reports, and what follows from that (TMCM-1311 §6, §7).
+
+use super::{AxisParameter, RampMode, Tmcm1311};
+
+/// The coolStep settings of the driver chip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CoolStep {
+    /// SEMIN: below 32 times this reading the current rises; 0 switches coolStep off.
+    pub semin: u8,
+    /// SEMAX: from 32 times (SEMIN + SEMAX + 1) on the current falls.
+    pub semax: u8,
+    /// SEUP: how far it rises at a time.
+    pub seup: u8,
+    /// SEDN: how many readings it takes to fall.
+    pub sedn: u8,
+    /// SEIMIN: a quarter instead of half of the current scale is the lower limit.
+    pub quarter_minimum: bool,
+}
+
+/// What the driver chip is told besides the coil currents.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ChipSettings {
+    /// CS: 0 to 31 for 1/32 to 32/32 of the full-scale current.
+    pub current_scale: u8,
+    /// VSENSE: half the full-scale current.
+    pub half_scale: bool,
+    /// TOFF; 0 switches the bridges off.
+    pub off_time: u8,
+    /// SGT: −64 to 63.
+    pub stallguard_threshold: i8,
+    /// SFILT: a reading every four full steps.
+    pub stallguard_filter: bool,
+    /// coolStep.
+    pub cool_step: CoolStep,
+    /// DISS2G: no protection against shorts to ground.
+    pub short_protection_disabled: bool,
+}
+
+/// What the driver chip reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DriverStatus {
+    /// The stallGuard2 reading, 0 to 1023; less means more load.
+    pub stallguard: u16,
+    /// SE: the current scale in use, which coolStep may have lowered.
+    pub current_scale: u8,
+    /// Status bits in the order of AP 208: stall, over-temperature, pre-warning, short A and B, open A and B, standstill.
+    pub flags: u8,
+}
+
+impl Tmcm1311 {
+    pub(super) fn chip_settings(&self) -> ChipSettings {
+        use AxisParameter as P;
+        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
+        let flag = |parameter| self.kept_value(parameter) != 0;
+        let semin = byte(P::CoolstepHysteresisStart);
+        let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
+        ChipSettings {
+            current_scale: self.run_current(fast) / 8,
+            half_scale: flag(P::Vsense),
+            off_time: byte(P::ChopperOffTime),
+            stallguard_threshold: i8::try_from(self.kept_value(P::Stallguard2Threshold)).unwrap_or(0),
+            stallguard_filter: flag(P::Stallguard2Filter),
+            cool_step: CoolStep {
+                semin: if fast { semin } else { 0 },
+                semax: byte(P::CoolstepHysteresis),
+                seup: byte(P::CoolstepUpStep),
+                sedn: byte(P::CoolstepDownStep),
+                quarter_minimum: flag(P::CoolstepMinCurrent),
+            },
+            short_protection_disabled: flag(P::ShortProtectionDisable),
+        }
+    }
+
+    /// AP 6; below the coolStep threshold AP 183, once SEMIN, AP 182 and AP 183 are all set.
+    fn run_current(&self, fast: bool) -> u8 {
+        use AxisParameter as P;
+        let slow_run = self.kept_value(P::CoolstepSlowRunCurrent);
+        let applies = self.kept_value(P::CoolstepHysteresisStart) != 0
+            && self.kept_value(P::CoolstepThresholdVelocity) != 0
+            && slow_run != 0
+            && !fast;
+        u8::try_from(if applies { slow_run } else { self.kept_value(P::MaxCurrent) }).unwrap_or(0)
+    }
+
+    /// Stops at once when stallGuard2 reads 0 above the velocity of AP 181; 0 there switches it off. The target becomes
+    /// where the motor is, so that it does not start again.
+    pub(super) fn stop_on_stall(&mut self) {
+        let threshold_pps = self.kept_value(AxisParameter::StopOnStallVelocity);
+        let stalls = threshold_pps > 0 && self.speed_pps() > threshold_pps && self.sensed.driver.stallguard == 0;
+        if stalls {
+            self.ramp.halt();
+            self.target_position = self.ramp.position();
+            if self.mode == RampMode::Velocity {
+                self.turn(0);
+            }
+        }
+    }
+
+    fn speed_pps(&self) -> i32 {
+        self.ramp.velocity_pps().saturating_abs()
+    }
+}
