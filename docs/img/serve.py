@@ -18,8 +18,8 @@ ARGUMENTS = ["serve", "tmcm-1311", "--pty", "/tmp/ttyTMCL", "--tcp", "127.0.0.1:
 
 
 def main() -> None:
-    console = Console(record=True, width=88, force_terminal=True, file=open("/dev/null", "w"))
-    console.print(f"[bold green]$[/] tmcl {' '.join(ARGUMENTS)} &")
+    console = Console(record=True, width=100, force_terminal=True, file=open("/dev/null", "w"))
+    console.print(f"[bold green]$[/] tmcl {' '.join(ARGUMENTS)} &", highlight=False)
     server = subprocess.Popen([TMCL, *ARGUMENTS], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     for _ in range(2):
         console.print(server.stdout.readline().strip(), highlight=False)

@@ -6,14 +6,19 @@ import os
 import re
 import signal
 import stat
+import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from harness import Port, Server, assert_in_step
+from harness import PATIENCE_S, Server, assert_in_step, binary, datagram, wait_for
 from pytrinamic.connections import ConnectionManager
 from pytrinamic.modules import TMCM1311
+from pytrinamic.tmcl import TMCLCommand
+
+#: `tmcl --help`, "Exit codes".
+EXIT_CONNECTION = 3
 
 SIGNALS = [signal.SIGTERM, signal.SIGINT]
 
@@ -34,9 +39,14 @@ def test_one_line_per_port_and_nothing_else_on_stdout(serve: Callable[..., Serve
 
 def test_stderr_has_arguments_to_copy_and_paste(server: Server) -> None:
     """What it suggests for PyTrinamic works as it stands, for every port."""
-    suggestions = set(re.findall(r"--interface \w+ --port [^\s\"'`]+", server.stderr()))
-    assert suggestions == {port.arguments() for port in server.ports}
-    for arguments in suggestions:
+
+    def suggestions() -> set[str]:
+        return set(re.findall(r"--interface \w+ --port [^\s\"'`]+", server.stderr()))
+
+    expected = {port.arguments() for port in server.ports}
+    wait_for(lambda: len(suggestions()) == len(expected), "a suggestion for every port")
+    assert suggestions() == expected
+    for arguments in expected:
         with ConnectionManager(arguments).connect() as connection:
             assert_in_step(connection)
 
@@ -65,6 +75,15 @@ def test_a_signal_ends_it_with_clients_connected_and_the_motor_turning(server: S
         assert_in_step(other)
         assert server.stop(how) == 0
     assert not os.path.lexists(path)
+
+
+@pytest.mark.parametrize("how", SIGNALS, ids=lambda how: how.name)
+def test_a_signal_ends_it_although_a_client_does_not_read(server: Server, transport: str, how: signal.Signals) -> None:
+    """The line is full, in both directions, and a server that waits for it waits for ever."""
+    with server.port(transport).open_raw() as line:
+        line.fill(datagram(TMCLCommand.GAP, 1) * 100, 4 << 20)
+        assert server.stop(how) == 0
+    assert not os.path.lexists(server.port("pty").place)
 
 
 def test_the_same_ports_again_after_it_ended(serve: Callable[..., Server], server: Server, link: str) -> None:
@@ -96,13 +115,53 @@ def test_virtual_time_keeps_the_pace_it_was_told(serve: Callable[..., Server]) -
     assert pace("20") > 4
 
 
-def test_links_and_files_in_the_way(serve: Callable[..., Server], tmp_path: Path) -> None:
-    """What a killed server left behind is replaced."""
-    link = tmp_path / "left_behind"
-    killed = Server("--pty", str(link))
-    killed.kill()
-    server = serve("--pty", str(link))
-    with Port("pty", str(link)).connect() as connection:
+def test_the_link_of_a_killed_server_is_replaced(serve: Callable[..., Server], link: str) -> None:
+    """Nobody had the chance to remove it, and it is in nobody's use."""
+    Server("--pty", link).kill()
+    assert os.path.lexists(link)
+    server = serve("--pty", link)
+    with server.port("pty").connect() as connection:
         assert_in_step(connection)
     assert server.stop() == 0
     assert not os.path.lexists(link)
+
+
+class TestItDoesNotStart:
+    """What is in the way stays as it is; stderr names it, and the exit code says so."""
+
+    @staticmethod
+    def refusal(*arguments: str) -> str:
+        """What `tmcl serve` says when it does not start."""
+        command = [str(binary()), "serve", "tmcm-1311", *arguments]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        assert result.returncode == EXIT_CONNECTION, result.stderr
+        assert "panicked" not in result.stderr
+        return result.stderr
+
+    def test_a_file_in_the_way(self, tmp_path: Path) -> None:
+        """It might be anything."""
+        path = tmp_path / "precious"
+        path.write_text("precious")
+        assert str(path) in self.refusal("--pty", str(path))
+        assert path.read_text() == "precious"
+
+    def test_the_link_of_a_server_that_runs(self, server: Server) -> None:
+        """Its clients go on finding it."""
+        port = server.port("pty")
+        assert port.place in self.refusal("--pty", port.place)
+        with port.connect() as connection:
+            assert_in_step(connection)
+
+    def test_the_tcp_port_of_a_server_that_runs(self, server: Server) -> None:
+        """Likewise."""
+        port = server.port("tcp")
+        assert port.place in self.refusal("--tcp", port.place)
+        with port.connect() as connection:
+            assert_in_step(connection)
+
+    def test_it_takes_back_what_it_had_begun(self, tmp_path: Path, link: str) -> None:
+        """The first link goes when the second cannot be made."""
+        path = tmp_path / "precious"
+        path.write_text("precious")
+        assert str(path) in self.refusal("--pty", link, "--pty", str(path))
+        assert not os.path.lexists(link)

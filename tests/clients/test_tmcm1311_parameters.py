@@ -203,6 +203,11 @@ class TestAxisParameters:
         assert connection.set_axis_parameter(Motor.AP.MaxCurrent, 0, 99) == 99
         assert connection.set_axis_parameter(Motor.AP.ActualPosition, 0, -1) == 2**32 - 1
 
+    def test_switches_at_rest(self, motor: Motor) -> None:
+        """Nothing wired blocks nothing (decisions §5.10)."""
+        for number in (Motor.AP.HomeSwitch, Motor.AP.RightEndstop, Motor.AP.LeftEndstop):
+            assert motor.get_axis_parameter(number) == 0
+
     def test_reading_what_is_measured(self, motor: Motor) -> None:
         """Supply (0.1 V), board temperature and coil currents are there without physics too, and plausible."""
         assert 400 <= motor.get_axis_parameter(Motor.AP.SupplyVoltage) <= 500
@@ -414,3 +419,22 @@ class TestGlobalParameters:
         reply = connection.set_global_parameter(suppress, 0, 0)
         assert (reply.command, reply.status) == (TMCLCommand.SGP, 100)
         assert connection.get_axis_parameter(Motor.AP.MaxCurrent, 0) == 44
+
+
+def test_the_accumulator(connection: TmclInterface) -> None:
+    """CALC, CALCX, AAP, AGP and ACO work on the module's A and X and reply with A (decisions §3.9)."""
+
+    def send(command: int, kind: int, motor: int = 0, value: int = 0) -> int:
+        return connection.send(command, kind, motor, value).value
+
+    assert send(TMCLCommand.CALC, 9, 0, 40) == 40  # LOAD
+    assert send(TMCLCommand.CALCX, 9) == 40  # X = A
+    assert send(TMCLCommand.CALC, 0, 0, 2) == 42  # ADD
+    assert send(TMCLCommand.CALCX, 0) == 82
+    assert send(TMCLCommand.AAP, Motor.AP.MaxCurrent) == 82
+    assert send(TMCLCommand.AGP, 7, 2) == 82
+    assert send(TMCLCommand.ACO, 5) == 82
+    assert connection.get_axis_parameter(Motor.AP.MaxCurrent, 0) == 82  # which leaves A alone
+    assert connection.get_global_parameter(7, 2) == 82
+    assert send(TMCLCommand.GCO, 5) == 82
+    assert send(TMCLCommand.CALC, 1, 0, 83) == 2**32 - 1  # SUB

@@ -33,6 +33,8 @@ pub enum PtyError {
 /// A pseudo terminal with a link to it, which goes when this goes.
 pub(crate) struct Pty {
     link: PathBuf,
+    /// What the link points to.
+    name: PathBuf,
     /// Held open so that clients may come and go; a byte written here wakes the reading thread, and where there is no room
     /// for it the thread is awake.
     terminal: File,
@@ -45,7 +47,7 @@ impl Pty {
         remove_stale_link(path)?;
         let (controller, terminal, name) = open().map_err(io::Error::from)?;
         std::os::unix::fs::symlink(&name, path).map_err(|error| PtyError::Link(path.to_owned(), error))?;
-        let pty = Self { link: path.to_owned(), terminal: File::from(terminal) };
+        let pty = Self { link: path.to_owned(), name, terminal: File::from(terminal) };
         let reader = File::from(controller);
         let connection = Connection::open(shared, reader.try_clone()?).ok_or(PtyError::NoPort)?;
         std::thread::spawn(move || {
@@ -58,7 +60,10 @@ impl Pty {
 
 impl Drop for Pty {
     fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.link);
+        // Unless somebody put something else there.
+        if std::fs::read_link(&self.link).is_ok_and(|target| target == self.name) {
+            let _ = std::fs::remove_file(&self.link);
+        }
         let _ = self.terminal.write_all(&[0]);
     }
 }
