@@ -3,12 +3,10 @@
 
 use libfuzzer_sys::fuzz_target;
 use tmcl_wire::serial::{checksum, encode_request};
-use virtual_bench::{Bench, ModuleId, ModuleKind, ModuleSetup, PortId};
-
-const SETUP: ModuleSetup = ModuleSetup { kind: ModuleKind::Tmcm1311, address: None };
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
 
 fuzz_target!(|data: &[u8]| {
-    let mut bench = Bench::new(&[SETUP]);
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
     // Eight bytes each: where to, and a request; or raw bytes, where the first says so.
     for chunk in data.chunks(9) {
         let (&first, rest) = chunk.split_first().expect("chunks are not empty");

@@ -11,16 +11,19 @@ use crate::workspace_root;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-tables", &[]),
     ("motion-control", &[]),
+    ("motor-physics", &[]),
+    ("driver-chips", &["motor-physics"]),
     ("tmcl-wire", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "motion-control"]),
-    ("virtual-bench", &["tmcl-tables", "module-firmware"]),
+    ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
     ("tmcl-server", &["virtual-bench"]),
     ("tmcl", &["tmcl-tables", "tmcl-server", "virtual-bench"]),
     ("xtask", &[]),
 ];
 
 /// Crates that must build without `std`: `#![no_std]` stands in their root, and nothing they import needs it.
-const NO_STD: &[&str] = &["tmcl-tables", "motion-control", "tmcl-wire", "module-firmware"];
+const NO_STD: &[&str] =
+    &["tmcl-tables", "motion-control", "motor-physics", "driver-chips", "tmcl-wire", "module-firmware"];
 
 /// What the `no_std` crates may import from outside.
 const NO_STD_LIBRARIES: &[&str] = &["libm", "thiserror"];

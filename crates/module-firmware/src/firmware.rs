@@ -141,6 +141,8 @@ impl<A: Axis> Firmware<A> {
         }
         if self.pending.is_none() {
             PortId::ALL.into_iter().for_each(|port| self.serve(port));
+            // Events that found no room may find some now.
+            self.report_position_reached();
         }
         self.pending.is_some()
     }

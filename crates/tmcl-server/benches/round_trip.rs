@@ -15,9 +15,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use tmcl_server::Server;
 use tmcl_tables::Command;
 use tmcl_wire::{Request, serial};
-use virtual_bench::{Bench, ModuleKind, ModuleSetup};
-
-const SETUP: ModuleSetup = ModuleSetup { kind: ModuleKind::Tmcm1311, address: None };
+use virtual_bench::{Bench, BenchConfig, ModuleKind};
 
 fn exchange(stream: &mut (impl Read + Write), request: &[u8; 9]) -> [u8; 9] {
     let mut reply = [0; 9];
@@ -75,7 +73,8 @@ fn open_raw(path: &str) -> File {
 
 fn round_trip(c: &mut Criterion) {
     let link = std::env::temp_dir().join(format!("opentmcl-bench-{}", std::process::id()));
-    let mut server = Server::start(Bench::new(&[SETUP]), 1.0, |_| {});
+    let bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
+    let mut server = Server::start(bench, 1.0, |_| {});
     let address = server.listen_tcp("127.0.0.1:0").expect("a free port");
     server.listen_pty(&link).expect("a pseudo terminal");
     let request = serial::encode_request(1, Request::new(Command::GetAxisParameter, 1, 0, 0));

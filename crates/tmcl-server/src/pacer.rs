@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     fn paced(speed: f64, start: Instant) -> Paced {
-        Paced::new(Bench::new(&[]), speed, start)
+        Paced::new(Bench::default(), speed, start)
     }
 
     #[test]

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
-use virtual_bench::ModuleSetup;
 
 use crate::module_name;
 
@@ -55,7 +54,7 @@ pub(crate) enum Command {
 pub(crate) struct Serve {
     /// The module, and its serial address where it is not to be 1
     #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup)]
-    pub(crate) module: ModuleSetup,
+    pub(crate) module: module_name::VirtualModule,
     /// Listen here; port 0 picks a free one, no host means 127.0.0.1; may be given several times
     #[arg(long, value_name = "HOST:PORT", value_parser = tcp_address)]
     pub(crate) tcp: Vec<String>,

@@ -11,6 +11,8 @@ mod arguments;
 mod commands;
 mod exit;
 mod module_name;
+#[cfg(test)]
+mod plot;
 mod print;
 
 use std::process::ExitCode;

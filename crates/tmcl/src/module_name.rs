@@ -1,7 +1,7 @@
 //! Module names on the command line: `tmcm-1311`, `1311`, `tmcm-1311@5`.
 
 use tmcl_tables::{MODULES, ModuleSpec, module_by_id};
-use virtual_bench::{ModuleKind, ModuleSetup};
+use virtual_bench::ModuleKind;
 
 /// Why a name names nothing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -17,19 +17,28 @@ pub(crate) enum NameError {
     Address(String),
 }
 
+/// A virtual module as the command line names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct VirtualModule {
+    /// What it is.
+    pub(crate) kind: ModuleKind,
+    /// Its serial address, where one is given; it beats the bench file, and that the EEPROM.
+    pub(crate) address: Option<u8>,
+}
+
 /// A module that the tables know.
 pub(crate) fn spec(name: &str) -> Result<&'static ModuleSpec, NameError> {
     module_by_id(name).map_err(|_| NameError::Module(list(MODULES.iter().map(|spec| spec.id))))
 }
 
 /// A virtual module, with its address where one is given.
-pub(crate) fn setup(name: &str) -> Result<ModuleSetup, NameError> {
+pub(crate) fn setup(name: &str) -> Result<VirtualModule, NameError> {
     let (name, address) = name.split_once('@').map_or((name, None), |(name, address)| (name, Some(address)));
     let kind = ModuleKind::try_from(spec(name)?)
         .map_err(|_| NameError::NotVirtual(list(ModuleKind::ALL.iter().map(|kind| kind.spec().id))))?;
     let address =
         address.map(|text| text.parse().map_err(|_| NameError::Address(text.to_owned()))).transpose()?;
-    Ok(ModuleSetup { kind, address })
+    Ok(VirtualModule { kind, address })
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
@@ -43,8 +52,8 @@ mod tests {
     #[test]
     fn an_address_stands_behind_an_at_sign() {
         let kind = ModuleKind::Tmcm1311;
-        assert_eq!(setup("tmcm-1311"), Ok(ModuleSetup { kind, address: None }));
-        assert_eq!(setup("TMCM-1311@7"), Ok(ModuleSetup { kind, address: Some(7) }));
+        assert_eq!(setup("tmcm-1311"), Ok(VirtualModule { kind, address: None }));
+        assert_eq!(setup("TMCM-1311@7"), Ok(VirtualModule { kind, address: Some(7) }));
         assert_eq!(setup("1311@256"), Err(NameError::Address("256".to_owned())));
         assert!(matches!(setup("tmcm-1640"), Err(NameError::NotVirtual(_))));
         assert!(matches!(setup("tmcm-1312"), Err(NameError::Module(_))));

@@ -1,57 +1,21 @@
-//! The bench: modules that share a clock.
+//! The bench: modules that share a clock, the wires between them, and what happens to them when.
 
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::{PortId, RecordKey, Storage};
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::TICK_NS;
+use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire};
 use crate::eeprom::Eeprom;
-use crate::field_follower::FieldFollower;
 use crate::hardware::Physical;
+use crate::kind::ModuleKind;
 use crate::module::{Module, VirtualModule};
+use crate::probe::{self, Probe, ProbeError, Quantity};
+use crate::stepper_bench::StepperBench;
 
-/// A kind of module that the bench can build.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ModuleKind {
-    /// The TMCM-1311, in open loop.
-    Tmcm1311,
-}
-
-/// The tables know this module, but there is no virtual one yet; the kinds there are stand in [`ModuleKind::ALL`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no virtual {0} yet")]
-pub struct UnknownModuleKind(pub &'static str);
-
-impl ModuleKind {
-    /// Every kind.
-    pub const ALL: [Self; 1] = [Self::Tmcm1311];
-
-    /// The module's tables.
-    #[must_use]
-    pub fn spec(self) -> &'static ModuleSpec {
-        match self {
-            Self::Tmcm1311 => &tmcl_tables::tmcm_1311::SPEC,
-        }
-    }
-}
-
-impl TryFrom<&'static ModuleSpec> for ModuleKind {
-    type Error = UnknownModuleKind;
-
-    fn try_from(spec: &'static ModuleSpec) -> Result<Self, UnknownModuleKind> {
-        let kind = Self::ALL.into_iter().find(|kind| kind.spec().number == spec.number);
-        kind.ok_or(UnknownModuleKind(spec.id))
-    }
-}
-
-/// A module to be put on the bench.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ModuleSetup {
-    /// What it is.
-    pub kind: ModuleKind,
-    /// Its serial address; beats what the EEPROM says. `None` leaves the factory's 1.
-    pub address: Option<u8>,
-}
+/// The banks of ports that wires join.
+const INPUTS: u8 = 0;
+const OUTPUTS: u8 = 2;
 
 /// A module's place on the bench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -60,7 +24,7 @@ pub struct ModuleId(pub usize);
 /// The one list of modules by kind.
 #[derive(Clone, Debug)]
 enum AnyModule {
-    Tmcm1311(Box<Module<Tmcm1311, FieldFollower>>),
+    Tmcm1311(Box<Module<Tmcm1311, StepperBench>>),
 }
 
 impl AnyModule {
@@ -77,18 +41,36 @@ impl AnyModule {
     }
 }
 
+/// A module and what it is called.
+#[derive(Clone, Debug)]
+struct Slot {
+    name: String,
+    kind: ModuleKind,
+    module: AnyModule,
+}
+
 /// Modules and their common time.
 #[derive(Clone, Debug, Default)]
 pub struct Bench {
     time_ns: u64,
-    modules: Vec<AnyModule>,
+    slots: Vec<Slot>,
+    wires: Vec<Wire>,
+    /// In the order of their times.
+    events: Vec<Event>,
+    next_event: usize,
 }
 
 impl Bench {
-    /// A bench with these modules, switched on at time 0.
+    /// The bench that a file describes, switched on at time 0.
     #[must_use]
-    pub fn new(setups: &[ModuleSetup]) -> Self {
-        Self { time_ns: 0, modules: setups.iter().map(build).collect() }
+    pub fn new(config: &BenchConfig) -> Self {
+        Self {
+            time_ns: 0,
+            slots: config.modules.iter().map(slot).collect(),
+            wires: config.wires.clone(),
+            events: config.events.clone(),
+            next_event: 0,
+        }
     }
 
     /// Virtual time since power-on.
@@ -98,16 +80,25 @@ impl Bench {
     }
 
     /// Every module's place.
-    pub fn modules(&self) -> impl Iterator<Item = ModuleId> {
-        (0..self.modules.len()).map(ModuleId)
+    pub fn modules(&self) -> impl Iterator<Item = ModuleId> + use<> {
+        (0..self.slots.len()).map(ModuleId)
+    }
+
+    /// The tables of a module.
+    #[must_use]
+    pub fn spec(&self, module: ModuleId) -> Option<&'static ModuleSpec> {
+        self.slots.get(module.0).map(|slot| slot.kind.spec())
     }
 
     /// Runs the control periods that end at or before `time_ns`.
+    ///
+    /// A control period in which nothing changes is the same as the next one; so many of them as nothing can change in are
+    /// gone through at once, with the same result bit for bit.
     pub fn advance_to(&mut self, time_ns: u64) {
         while time_ns.saturating_sub(self.time_ns) >= TICK_NS {
-            self.time_ns += TICK_NS;
-            for module in &mut self.modules {
-                module.get_mut().tick(self.time_ns);
+            self.apply_due_events();
+            if !self.tick() {
+                self.rest_until(time_ns);
             }
         }
     }
@@ -115,6 +106,73 @@ impl Bench {
     /// Runs on for `duration_ns`.
     pub fn advance_by(&mut self, duration_ns: u64) {
         self.advance_to(self.time_ns.saturating_add(duration_ns));
+    }
+
+    /// One control period of every module. Returns whether anything changed but the time.
+    fn tick(&mut self) -> bool {
+        self.time_ns += TICK_NS;
+        let mut changed = false;
+        for slot in &mut self.slots {
+            changed |= slot.module.get_mut().tick(self.time_ns);
+        }
+        changed | self.carry_signals()
+    }
+
+    /// Goes through the control periods before `time_ns` in which nothing can change, if there are any.
+    fn rest_until(&mut self, time_ns: u64) {
+        let change_ns = self.slots.iter().map(|slot| slot.module.get().next_change_ns()).min();
+        // The period in which something may change, and the one before which an event falls due, are not for resting.
+        let before_change_ns = change_ns.map_or(u64::MAX, |change_ns| change_ns.saturating_sub(1));
+        let event_ns = self.events.get(self.next_event).map_or(u64::MAX, |event| event.at_ns);
+        let event_ns = event_ns.checked_next_multiple_of(TICK_NS).unwrap_or(u64::MAX);
+        let until_ns = time_ns.min(before_change_ns).min(event_ns);
+        let periods = until_ns.saturating_sub(self.time_ns) / TICK_NS;
+        if periods > 0 {
+            self.time_ns += periods * TICK_NS;
+            for slot in &mut self.slots {
+                slot.module.get_mut().rest(periods, self.time_ns);
+            }
+        }
+    }
+
+    fn apply_due_events(&mut self) {
+        while let Some(event) = self.events.get(self.next_event).filter(|event| event.at_ns <= self.time_ns) {
+            let settings = event.settings.clone();
+            self.next_event += 1;
+            for (module, setting) in settings {
+                self.apply(ModuleId(module), setting);
+            }
+        }
+    }
+
+    /// Carries outputs along the wires to inputs. Returns whether a level changed.
+    fn carry_signals(&mut self) -> bool {
+        let mut changed = false;
+        for index in 0..self.wires.len() {
+            let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
+            let from = self.module(ModuleId(from_module));
+            let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
+            if let Some(module) = self.module_mut(ModuleId(to_module)) {
+                let before = module.port(INPUTS, input) != 0;
+                module.apply(Setting::Input { number: input, high });
+                changed |= before != high;
+            }
+        }
+        changed
+    }
+
+    /// Changes something about a module's surroundings, now.
+    pub fn apply(&mut self, module: ModuleId, setting: Setting) {
+        let Some(module) = self.module_mut(module) else { return };
+        match setting {
+            Setting::Power(Power::Off) => module.set_power(false),
+            Setting::Power(Power::On) => module.set_power(true),
+            Setting::Power(Power::Cycle) => {
+                module.set_power(false);
+                module.set_power(true);
+            }
+            other => module.apply(other),
+        }
     }
 
     /// Bytes arrive at a module's port. Returns how many were taken; the rest may be offered again after
@@ -161,15 +219,39 @@ impl Bench {
     /// How long the lines of all modules may be silent within a datagram before what came of it is dropped: 100 ms of the
     /// clients' time, which is virtual time unless said otherwise.
     pub fn set_silence_ns(&mut self, silence_ns: u64) {
-        for module in &mut self.modules {
-            module.get_mut().set_silence(silence_ns / TICK_NS);
+        for slot in &mut self.slots {
+            slot.module.get_mut().set_silence(silence_ns / TICK_NS);
         }
     }
 
-    /// Switches a module off and on again.
+    /// Switches a module off and on again: the EEPROM keeps its records, the rotor its place.
     pub fn power_cycle(&mut self, module: ModuleId) {
-        if let Some(module) = self.module_mut(module) {
-            module.power_cycle();
+        self.apply(module, Setting::Power(Power::Cycle));
+    }
+
+    /// What `name` means on this bench: see [`probe`](crate::probe).
+    ///
+    /// # Errors
+    /// [`ProbeError`] when it means nothing.
+    pub fn probe(&self, name: &str) -> Result<Probe, ProbeError> {
+        let modules: Vec<_> = self.slots.iter().map(|slot| (slot.name.as_str(), slot.kind.spec())).collect();
+        probe::parse(name, &modules)
+    }
+
+    /// The value of a quantity now.
+    #[must_use]
+    pub fn read(&self, probe: Probe) -> f64 {
+        let Some(slot) = self.slots.get(probe.module.0) else { return 0.0 };
+        let module = slot.module.get();
+        match probe.quantity {
+            Quantity::Parameter(number) => {
+                let bits = module.parameter(number);
+                let value = slot.kind.spec().axis_parameter(number).map_or(0, |spec| spec.from_wire(bits));
+                value as f64
+            }
+            Quantity::Port(bank, number) => f64::from(module.port(bank, number)),
+            Quantity::EncoderCounts => f64::from(module.encoder_counts()),
+            Quantity::Physical(index) => module.physical().values().get(index).copied().unwrap_or(0.0),
         }
     }
 
@@ -186,22 +268,23 @@ impl Bench {
     }
 
     fn module(&self, module: ModuleId) -> Option<&dyn VirtualModule> {
-        self.modules.get(module.0).map(AnyModule::get)
+        self.slots.get(module.0).map(|slot| slot.module.get())
     }
 
     fn module_mut(&mut self, module: ModuleId) -> Option<&mut dyn VirtualModule> {
-        self.modules.get_mut(module.0).map(AnyModule::get_mut)
+        self.slots.get_mut(module.0).map(|slot| slot.module.get_mut())
     }
 }
 
-fn build(setup: &ModuleSetup) -> AnyModule {
+fn slot(config: &ModuleConfig) -> Slot {
     let mut eeprom = Eeprom::default();
-    if let Some(address) = setup.address {
+    if let Some(address) = config.address {
         let (bank, number) = GlobalParameter::SerialAddress.address();
         // An EEPROM in memory takes every record.
         let _ = eeprom.write(RecordKey::Global(bank, number), &i32::from(address).to_le_bytes());
     }
-    match setup.kind {
-        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(FieldFollower::default(), eeprom))),
-    }
+    let module = match config.kind {
+        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom))),
+    };
+    Slot { name: config.name.clone(), kind: config.kind, module }
 }

@@ -1,7 +1,7 @@
 //! The seam between firmware and physics.
 
-/// Driver chip, motor, load and sensors of one module.
-pub trait Hardware: Clone {
+/// Driver chip, motor, load, sensors and supply of one module.
+pub(crate) trait Hardware: Clone {
     /// What the sensors say.
     type Sensed;
     /// What the firmware commands.
@@ -9,15 +9,75 @@ pub trait Hardware: Clone {
 
     /// What the sensors say now.
     fn sensed(&self) -> Self::Sensed;
-    /// Holds `drive` until `until_ns`, an instant that never lies before the last one.
-    fn advance(&mut self, drive: &Self::Drive, until_ns: u64);
+    /// Holds `drive` for the control period that ends at `until_ns`. Returns whether anything changed but the time and
+    /// what counts it.
+    fn advance(&mut self, drive: &Self::Drive, until_ns: u64) -> bool;
+    /// `periods` further control periods like the last one, in which nothing changed; the last ends at `until_ns`.
+    fn rest(&mut self, periods: u64, until_ns: u64);
+    /// The next instant at which something may change by itself.
+    fn next_change_ns(&self) -> u64;
     /// What really is, whatever sensors and firmware believe.
     fn physical(&self) -> Physical;
 }
 
-/// The truth about a motor shaft.
+/// The truth about a motor, in the order of [`Physical::NAMES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Physical {
     /// How far the rotor turned since power was first switched on; positive to the right (ROR).
     pub rotor_turns: f64,
+    /// How fast it turns.
+    pub velocity_rpm: f64,
+    /// Torque between rotor and stator.
+    pub torque_nm: f64,
+    /// Torque from outside.
+    pub load_nm: f64,
+    /// How far the rotor lags behind the field; 90 is the limit.
+    pub load_angle_deg: f64,
+    /// Current in coil A.
+    pub coil_a_a: f64,
+    /// Current in coil B.
+    pub coil_b_a: f64,
+    /// Voltage of the bus.
+    pub bus_voltage_v: f64,
+    /// Current out of the supply.
+    pub supply_current_a: f64,
+    /// Temperature of the windings.
+    pub winding_temperature_c: f64,
+    /// Temperature of the board.
+    pub board_temperature_c: f64,
+}
+
+impl Physical {
+    /// Name and unit of every quantity.
+    pub const NAMES: [(&str, &str); 11] = [
+        ("rotor_turns", "turn"),
+        ("velocity_rpm", "rpm"),
+        ("torque_nm", "Nm"),
+        ("load_nm", "Nm"),
+        ("load_angle_deg", "°"),
+        ("coil_a_a", "A"),
+        ("coil_b_a", "A"),
+        ("bus_voltage_v", "V"),
+        ("supply_current_a", "A"),
+        ("winding_temperature_c", "°C"),
+        ("board_temperature_c", "°C"),
+    ];
+
+    /// Every quantity, in the order of the names.
+    #[must_use]
+    pub fn values(&self) -> [f64; 11] {
+        [
+            self.rotor_turns,
+            self.velocity_rpm,
+            self.torque_nm,
+            self.load_nm,
+            self.load_angle_deg,
+            self.coil_a_a,
+            self.coil_b_a,
+            self.bus_voltage_v,
+            self.supply_current_a,
+            self.winding_temperature_c,
+            self.board_temperature_c,
+        ]
+    }
 }

@@ -6,16 +6,23 @@
 //! This crate must never know sockets, threads, files or wall-clock time.
 
 mod bench;
+pub mod config;
 mod eeprom;
-mod field_follower;
 mod hardware;
+mod kind;
 mod module;
+mod probe;
+mod stepper_bench;
+mod trace;
 
-pub use bench::{Bench, ModuleId, ModuleKind, ModuleSetup, UnknownModuleKind};
+pub use bench::{Bench, ModuleId};
+pub use config::BenchConfig;
 pub use eeprom::Eeprom;
-pub use field_follower::FieldFollower;
-pub use hardware::{Hardware, Physical};
+pub use hardware::Physical;
+pub use kind::{ModuleKind, UnknownModuleKind};
 pub use module_firmware::{PORTS, PortId};
+pub use probe::{Probe, ProbeError, Quantity};
+pub use trace::{Column, Trace};
 
 /// A control period.
 pub const TICK_NS: u64 = 50_000;

@@ -2,13 +2,18 @@
 
 use module_firmware::{Axis, Firmware, PortId};
 
+use crate::config::Setting;
 use crate::eeprom::Eeprom;
 use crate::hardware::{Hardware, Physical};
 
 /// What the bench does with a module of any kind.
 pub(crate) trait VirtualModule {
-    /// One control period, which ends at `until_ns`.
-    fn tick(&mut self, until_ns: u64);
+    /// One control period, which ends at `until_ns`. Returns whether anything changed but the time.
+    fn tick(&mut self, until_ns: u64) -> bool;
+    /// `periods` further control periods like the last one, in which nothing changed; the last ends at `until_ns`.
+    fn rest(&mut self, periods: u64, until_ns: u64);
+    /// The next instant at which something may change by itself.
+    fn next_change_ns(&self) -> u64;
     /// Bytes arrive at a port. Returns how many were taken; the rest did not fit and may be offered again.
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize;
     /// Appends what leaves a port to `out`.
@@ -19,12 +24,28 @@ pub(crate) trait VirtualModule {
     fn disconnect(&mut self, port: PortId);
     /// How long a line may be silent within a datagram.
     fn set_silence(&mut self, ticks: u64);
-    /// Switches it off and on again: the EEPROM keeps its records, the rotor its place.
-    fn power_cycle(&mut self);
+    /// Switches it off or on: the EEPROM keeps its records, the rotor its place.
+    fn set_power(&mut self, on: bool);
+    /// Changes something about its surroundings.
+    fn apply(&mut self, setting: Setting);
+    /// What an axis parameter reads; 0 where there is none.
+    fn parameter(&self, number: u8) -> i32;
+    /// What a port reads; 0 where there is none.
+    fn port(&self, bank: u8, number: u8) -> i32;
+    /// The raw count of the encoder.
+    fn encoder_counts(&self) -> i32;
     /// The truth about the shaft.
     fn physical(&self) -> Physical;
     /// The EEPROM.
     fn eeprom(&self) -> &Eeprom;
+}
+
+/// Hardware whose surroundings the bench can change.
+pub(crate) trait Surroundings {
+    /// Changes something about them.
+    fn apply(&mut self, setting: Setting);
+    /// The raw count of the encoder.
+    fn encoder_counts(&self) -> i32;
 }
 
 /// A module on the bench.
@@ -33,6 +54,7 @@ pub(crate) struct Module<A: Axis, H> {
     firmware: Firmware<A>,
     hardware: H,
     eeprom: Eeprom,
+    powered: bool,
     silence_ticks: Option<u64>,
 }
 
@@ -43,7 +65,8 @@ where
 {
     /// A module that is switched on with what its EEPROM holds.
     pub(crate) fn new(hardware: H, mut eeprom: Eeprom) -> Self {
-        Self { firmware: Firmware::power_on(&mut eeprom), hardware, eeprom, silence_ticks: None }
+        let firmware = Firmware::power_on(&mut eeprom);
+        Self { firmware, hardware, eeprom, powered: true, silence_ticks: None }
     }
 
     /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time.
@@ -57,15 +80,35 @@ where
 impl<A, H> VirtualModule for Module<A, H>
 where
     A: Axis,
-    H: Hardware<Sensed = A::Sensed, Drive = A::Drive>,
+    H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
 {
-    fn tick(&mut self, until_ns: u64) {
-        let drive = self.firmware.tick(&self.hardware.sensed());
-        self.hardware.advance(&drive, until_ns);
+    fn tick(&mut self, until_ns: u64) -> bool {
+        if !self.powered {
+            return self.hardware.advance(&A::Drive::default(), until_ns);
+        }
+        let sensed = self.hardware.sensed();
+        let idle = self.firmware.is_idle(&sensed);
+        let drive = self.firmware.tick(&sensed);
+        let changed = self.hardware.advance(&drive, until_ns);
         self.work();
+        changed || !idle
+    }
+
+    fn rest(&mut self, periods: u64, until_ns: u64) {
+        self.hardware.rest(periods, until_ns);
+        if self.powered {
+            self.firmware.skip(periods);
+        }
+    }
+
+    fn next_change_ns(&self) -> u64 {
+        self.hardware.next_change_ns()
     }
 
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize {
+        if !self.powered {
+            return bytes.len(); // nobody listens
+        }
         let taken = bytes.iter().take_while(|byte| {
             let taken = self.firmware.receive(port, **byte);
             self.work();
@@ -101,11 +144,29 @@ where
         self.firmware.set_silence(ticks);
     }
 
-    fn power_cycle(&mut self) {
+    fn set_power(&mut self, on: bool) {
+        self.powered = on;
+        // Without power it forgets everything but its EEPROM; what it was about to say is lost.
         self.firmware = Firmware::power_on(&mut self.eeprom);
         if let Some(ticks) = self.silence_ticks {
             self.firmware.set_silence(ticks);
         }
+    }
+
+    fn apply(&mut self, setting: Setting) {
+        self.hardware.apply(setting);
+    }
+
+    fn parameter(&self, number: u8) -> i32 {
+        A::Parameter::try_from(number).map_or(0, |parameter| self.firmware.axis().get(parameter))
+    }
+
+    fn port(&self, bank: u8, number: u8) -> i32 {
+        A::port(bank, number).map_or(0, |port| self.firmware.axis().read_port(port))
+    }
+
+    fn encoder_counts(&self) -> i32 {
+        self.hardware.encoder_counts()
     }
 
     fn physical(&self) -> Physical {

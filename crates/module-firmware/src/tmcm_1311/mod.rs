@@ -25,6 +25,12 @@ const MICROSTEPS: i32 = 256;
 pub struct Sensed {
     /// The raw encoder count, which nothing but the shaft changes.
     pub encoder_counts: i32,
+    /// Whether the encoder's index passed since the last control period.
+    pub encoder_index: bool,
+    /// Whether the contact of the left stop switch is open.
+    pub left_switch_open: bool,
+    /// Whether the contact of the right stop switch is open.
+    pub right_switch_open: bool,
     /// IN_1 to IN_3 and IN_5 to IN_7 as bits 1 to 3 and 5 to 7; 1 = high.
     pub inputs: u8,
     /// AIN_0 and AIN_4: 0 to 4095 for 0 to 10 V.

@@ -6,7 +6,7 @@ use std::sync::mpsc::channel;
 
 use tmcl_server::{Notice, Server};
 use tmcl_tables::GlobalParameter;
-use virtual_bench::{Bench, PORTS};
+use virtual_bench::{Bench, BenchConfig, PORTS};
 
 use crate::arguments::Serve;
 use crate::exit::{Code, Failure, Outcome};
@@ -24,7 +24,9 @@ pub(crate) fn run(options: &Serve) -> Outcome {
         let _ = stop.send(());
     })
     .map_err(|error| Failure::new(Code::Connection, format!("cannot wait for signals: {error}")))?;
-    let mut server = Server::start(Bench::new(&[options.module]), options.speed, say);
+    let mut config = BenchConfig::default_for(options.module.kind);
+    config.modules[0].address = options.module.address;
+    let mut server = Server::start(Bench::new(&config), options.speed, say);
     let default = [DEFAULT_ADDRESS.to_owned()];
     let addresses =
         if options.tcp.is_empty() && options.pty.is_empty() { &default[..] } else { &options.tcp };

@@ -1,0 +1,11 @@
+//! Motor driver chips as silicon: registers and pins in, coil voltages and status out.
+//!
+//! - [`tmc262`]: the two-phase stepper driver of the TMCM-1311.
+//!
+//! A chip is averaged over a chopper period: what its regulator and its diagnostics do is here, the switching itself is not.
+//! This crate must never know TMCL, firmware, parameter numbers, or control laws outside the silicon: a sign error made on
+//! both sides would cancel out. What goes beyond a datasheet's text is marked "(decision)".
+#![no_std]
+#![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+pub mod tmc262;

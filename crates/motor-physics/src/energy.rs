@@ -1,0 +1,50 @@
+//! Where the energy went. Counted in whole picojoules, so that adding a thousand equal amounts one by one or at once gives
+//! the same, and a bench at rest can be advanced in one go.
+
+/// Energies since the beginning, in picojoules.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Energy {
+    /// Into the windings from the power stage; negative when braking feeds back.
+    pub electrical_pj: i64,
+    /// Heat in the windings.
+    pub copper_pj: i64,
+    /// Heat in bearings: Coulomb and viscous friction, and what hard stops swallow.
+    pub friction_pj: i64,
+    /// Against the load's torque.
+    pub load_pj: i64,
+}
+
+/// Picojoules in a joule.
+const PJ_PER_J: f64 = 1e12;
+
+impl Energy {
+    /// These amounts in joules, rounded.
+    #[must_use]
+    pub fn from_joules(electrical_j: f64, copper_j: f64, friction_j: f64, load_j: f64) -> Self {
+        let pj = |joules: f64| libm::round(joules * PJ_PER_J) as i64;
+        Self {
+            electrical_pj: pj(electrical_j),
+            copper_pj: pj(copper_j),
+            friction_pj: pj(friction_j),
+            load_pj: pj(load_j),
+        }
+    }
+
+    /// `times` times these amounts and what was there.
+    #[must_use]
+    pub fn plus(self, amount: Self, times: i64) -> Self {
+        let sum = |total: i64, each: i64| total.wrapping_add(each.wrapping_mul(times));
+        Self {
+            electrical_pj: sum(self.electrical_pj, amount.electrical_pj),
+            copper_pj: sum(self.copper_pj, amount.copper_pj),
+            friction_pj: sum(self.friction_pj, amount.friction_pj),
+            load_pj: sum(self.load_pj, amount.load_pj),
+        }
+    }
+}
+
+/// An amount in joules.
+#[must_use]
+pub fn joules(picojoules: i64) -> f64 {
+    picojoules as f64 / PJ_PER_J
+}

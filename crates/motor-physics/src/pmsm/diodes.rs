@@ -1,0 +1,101 @@
+//! A power stage that is switched off: six diodes.
+//!
+//! What current is left flows from the lower rail or into the upper one until it has died; and where a terminal's voltage
+//! would leave the rails, it begins to.
+
+use super::bridge::{Connection, Rails, axis, connection};
+use super::currents::CurrentSlopes;
+use super::frame::{Turn, dot, phases_of};
+use super::{CURRENT_RESOLUTION_A, Pmsm, State};
+
+/// A terminal that is further than this beyond a rail conducts.
+const RESOLUTION_V: f64 = 1e-9;
+
+impl Pmsm {
+    /// Whether the same diodes conduct in this state.
+    pub(super) fn diodes_stay(&self, state: State, bus_voltage_v: f64) -> bool {
+        let ended = conducted(self.rails, phase_currents(state));
+        ended == self.rails && self.conducting_from(ended, state, bus_voltage_v) == ended
+    }
+
+    /// Lets diodes go out whose current has died, and others come on whose terminal is beyond a rail.
+    pub(super) fn switch_diodes(&mut self, state: State, bus_voltage_v: f64) -> (State, Connection) {
+        let currents = phase_currents(state);
+        let rails = if self.rails == [0; 3] { currents.map(rail_of) } else { self.rails };
+        self.rails = conducted(rails, currents);
+        let state = self.residue_removed(state);
+        self.rails = self.conducting_from(self.rails, state, bus_voltage_v);
+        (state, connection(self.rails, bus_voltage_v))
+    }
+
+    /// The state without what rounding left of currents that have died.
+    fn residue_removed(&self, state: State) -> State {
+        let [d, q, velocity, angle, electrical, copper, friction, load] = state;
+        let [d, q] = match connection(self.rails, 0.0) {
+            Connection::Closed(_) => [d, q],
+            Connection::OpenPhase(phase, _) => {
+                let along = Turn::by(angle).to_rotor(axis(phase));
+                let residue = dot([d, q], along);
+                let [along_d, along_q] = along;
+                [d - residue * along_d, q - residue * along_q]
+            }
+            Connection::Open => [0.0; 2],
+        };
+        [d, q, velocity, angle, electrical, copper, friction, load]
+    }
+
+    /// These diodes and those that come on in this state.
+    fn conducting_from(&self, rails: Rails, state: State, bus_voltage_v: f64) -> Rails {
+        let [d, q, velocity, angle, ..] = state;
+        let slopes = CurrentSlopes::new(&self.parameters, [d, q], velocity);
+        let turn = Turn::by(angle);
+        match connection(rails, bus_voltage_v) {
+            Connection::Closed(_) => rails,
+            Connection::OpenPhase(phase, voltage) => {
+                // The star point is where the three terminals' voltages average, and the other two are at opposite rails.
+                let terminal_v = 1.5 * slopes.open_phase_v(phase, voltage, turn);
+                let rail_v = 0.5 * bus_voltage_v + RESOLUTION_V;
+                with_rail(rails, phase, i8::from(terminal_v > rail_v) - i8::from(terminal_v < -rail_v))
+            }
+            Connection::Open => rectifying(phases_of(turn.to_stator(slopes.opposing_v())), bus_voltage_v),
+        }
+    }
+}
+
+fn phase_currents([d, q, _, angle, ..]: State) -> [f64; 3] {
+    phases_of(Turn::by(angle).to_stator([d, q]))
+}
+
+/// The rail through whose diode a current flows.
+fn rail_of(current_a: f64) -> i8 {
+    i8::from(current_a < -CURRENT_RESOLUTION_A) - i8::from(current_a > CURRENT_RESOLUTION_A)
+}
+
+/// The diodes that still conduct: those whose current has not turned round, unless only one is left.
+fn conducted(rails: Rails, currents: [f64; 3]) -> Rails {
+    let mut left = rails;
+    for (rail, current_a) in left.iter_mut().zip(currents) {
+        if f64::from(*rail) * current_a > CURRENT_RESOLUTION_A {
+            *rail = 0;
+        }
+    }
+    let conducting = left.iter().filter(|rail| **rail != 0).count();
+    if conducting < 2 { [0; 3] } else { left }
+}
+
+/// The two diodes through which a turned rotor feeds the bus, if its voltage exceeds the bus's.
+fn rectifying(emf_v: [f64; 3], bus_voltage_v: f64) -> Rails {
+    let highest_v = emf_v.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let lowest_v = emf_v.into_iter().fold(f64::INFINITY, f64::min);
+    if highest_v - lowest_v <= bus_voltage_v + RESOLUTION_V {
+        return [0; 3];
+    }
+    emf_v.map(|emf_v| i8::from(emf_v == highest_v) - i8::from(emf_v == lowest_v))
+}
+
+fn with_rail(mut rails: Rails, phase: usize, rail: i8) -> Rails {
+    if let Some(at) = rails.get_mut(phase) {
+        *at = rail;
+    }
+    rails
+}

@@ -1,0 +1,251 @@
+//! The two-phase hybrid stepper (decision: physics).
+//!
+//! With the electrical angle θ = Nr times the shaft's, the coils see back EMFs −Km·ω·sin θ and Km·ω·cos θ, and the torque is
+//! −Km·iA·sin θ + Km·iB·cos θ − Td·sin 4θ. At rest with a current vector at angle φ the rotor stands where θ = φ; it resists
+//! being pushed away until θ is 90° off.
+
+use crate::Terminal;
+use crate::angle::RotorAngle;
+use crate::energy::Energy;
+use crate::mechanics::{Friction, Mechanics};
+use crate::rk4;
+
+/// A stepper's datasheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepperParameters {
+    /// RMS phase current for the holding torque.
+    pub rated_current_rms_a: f64,
+    /// Resistance of a phase.
+    pub resistance_ohm: f64,
+    /// Inductance of a phase.
+    pub inductance_h: f64,
+    /// Torque that holds both phases at the rated current against being pushed away.
+    pub holding_torque_nm: f64,
+    /// Torque of the magnets without current.
+    pub detent_torque_nm: f64,
+    /// Moment of inertia of the rotor.
+    pub rotor_inertia_kgm2: f64,
+    /// Pole pairs: a quarter of the full steps in a turn.
+    pub pole_pairs: f64,
+    /// Thermal time constant of the winding.
+    pub winding_time_constant_s: f64,
+}
+
+impl StepperParameters {
+    /// Torque per ampere of current vector, and volts per rad/s: Km = Th / (√2 · I_rms).
+    #[must_use]
+    pub fn motor_constant(&self) -> f64 {
+        self.holding_torque_nm / (core::f64::consts::SQRT_2 * self.rated_current_rms_a)
+    }
+}
+
+/// Changes smaller than these are none, so that a motor at rest comes to rest.
+const CURRENT_RESOLUTION_A: f64 = 1e-9;
+const VELOCITY_RESOLUTION_RAD_S: f64 = 1e-9;
+const ANGLE_RESOLUTION_RAD: f64 = 1e-12;
+
+/// A stepper on its shaft.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stepper {
+    /// The datasheet.
+    pub parameters: StepperParameters,
+    /// What turns, the rotor included.
+    pub mechanics: Mechanics,
+    /// Where the rotor is.
+    pub angle: RotorAngle,
+    /// How fast the shaft turns; positive to the right.
+    pub velocity_rad_s: f64,
+    /// Currents in coils A and B.
+    pub currents_a: [f64; 2],
+    /// Torque between rotor and stator at the end of the last step.
+    pub torque_nm: f64,
+    /// Where the energy went.
+    pub energy: Energy,
+    /// What the last step added to `energy`.
+    step_energy: Energy,
+}
+
+impl Stepper {
+    /// A motor at rest without current, its rotor at 0.
+    #[must_use]
+    pub fn new(parameters: StepperParameters, mechanics: Mechanics) -> Self {
+        Self {
+            parameters,
+            mechanics,
+            angle: RotorAngle::default(),
+            velocity_rad_s: 0.0,
+            currents_a: [0.0; 2],
+            torque_nm: 0.0,
+            energy: Energy::default(),
+            step_energy: Energy::default(),
+        }
+    }
+
+    /// Where the shaft is, in turns since 0.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        self.angle.turns(self.parameters.pole_pairs)
+    }
+
+    /// The voltages that the turning rotor induces in the coils.
+    #[must_use]
+    pub fn back_emf_v(&self) -> [f64; 2] {
+        let angle = self.angle.electrical_rad();
+        let peak_v = self.parameters.motor_constant() * self.velocity_rad_s;
+        [-peak_v * libm::sin(angle), peak_v * libm::cos(angle)]
+    }
+
+    /// Average power taken from the power stage in the last step.
+    #[must_use]
+    pub fn electrical_power_w(&self, dt_s: f64) -> f64 {
+        crate::energy::joules(self.step_energy.electrical_pj) / dt_s
+    }
+
+    /// Average heat in the windings in the last step.
+    #[must_use]
+    pub fn copper_power_w(&self, dt_s: f64) -> f64 {
+        crate::energy::joules(self.step_energy.copper_pj) / dt_s
+    }
+
+    /// Energy in the magnetic field and in the motion.
+    #[must_use]
+    pub fn stored_j(&self) -> f64 {
+        let [a, b] = self.currents_a;
+        let magnetic_j = 0.5 * self.parameters.inductance_h * (a * a + b * b);
+        // The detent torque is that of a potential.
+        let period = self.parameters.detent_torque_nm / (4.0 * self.parameters.pole_pairs);
+        let detent_j = -period * libm::cos(4.0 * self.angle.electrical_rad());
+        magnetic_j + detent_j + self.mechanics.kinetic_j(self.velocity_rad_s)
+    }
+
+    /// A step with the terminals held and `load_torque_nm` from outside. Returns whether anything but time changed.
+    pub fn advance(&mut self, terminals: [Terminal; 2], load_torque_nm: f64, dt_s: f64) -> bool {
+        let before = (self.angle, self.velocity_rad_s, self.currents_a);
+        let friction = self.mechanics.friction(self.velocity_rad_s, self.torque_nm + load_torque_nm);
+        let voltages = self.voltages(terminals);
+        let [a, b] = self.currents_a;
+        let start = [a, b, self.velocity_rad_s, self.angle.electrical_rad(), 0.0, 0.0, 0.0, 0.0];
+        let next = rk4::step(start, dt_s, |state| self.derivative(state, voltages, load_torque_nm, friction));
+        self.settle(next, terminals, voltages);
+        self.energy = self.energy.plus(self.step_energy, 1);
+        before != (self.angle, self.velocity_rad_s, self.currents_a)
+    }
+
+    /// `steps` further steps like the last one, in which nothing changed: only energy goes on.
+    pub fn rest(&mut self, steps: u64) {
+        let steps = i64::try_from(steps).unwrap_or(i64::MAX);
+        self.energy = self.energy.plus(self.step_energy, steps);
+    }
+
+    /// Lets the rotor slip by so many electrical periods, as if it had been pushed.
+    pub fn slip(&mut self, electrical_periods: f64) {
+        let angle = self.angle.electrical_rad() + electrical_periods * core::f64::consts::TAU;
+        self.angle = self.angle.advanced_to(angle);
+    }
+
+    /// What stands across the coils; `None` across a coil that carries nothing and is not driven.
+    fn voltages(&self, terminals: [Terminal; 2]) -> [Option<f64>; 2] {
+        let [a, b] = self.currents_a;
+        let [at_a, at_b] = terminals;
+        [across(at_a, a), across(at_b, b)]
+    }
+
+    /// Rates of change of (iA, iB, ω, θ) and of the energies (electrical, copper, friction, load).
+    fn derivative(
+        &self,
+        [a, b, velocity, angle, ..]: [f64; 8],
+        [voltage_a, voltage_b]: [Option<f64>; 2],
+        load_torque_nm: f64,
+        friction: Friction,
+    ) -> [f64; 8] {
+        let parameters = &self.parameters;
+        let (sine, cosine) = libm::sincos(angle);
+        let constant = parameters.motor_constant();
+        let slope = |voltage_v: Option<f64>, current_a: f64, emf_v: f64| {
+            voltage_v.map_or(0.0, |voltage_v| {
+                (voltage_v - parameters.resistance_ohm * current_a - emf_v) / parameters.inductance_h
+            })
+        };
+        // sin 4θ = 4 sin θ cos θ (cos²θ − sin²θ)
+        let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
+        let torque = constant * (b * cosine - a * sine) - parameters.detent_torque_nm * detent;
+        let friction_power = match friction {
+            Friction::Sticks => 0.0,
+            Friction::Acts(friction_nm) => {
+                velocity * (self.mechanics.viscous_nm_s_per_rad * velocity - friction_nm)
+            }
+        };
+        [
+            slope(voltage_a, a, -constant * velocity * sine),
+            slope(voltage_b, b, constant * velocity * cosine),
+            self.mechanics.acceleration(velocity, torque + load_torque_nm, friction),
+            parameters.pole_pairs * velocity,
+            voltage_a.unwrap_or(0.0) * a + voltage_b.unwrap_or(0.0) * b,
+            parameters.resistance_ohm * (a * a + b * b),
+            friction_power,
+            -load_torque_nm * velocity,
+        ]
+    }
+
+    /// Takes over what the integrator found, but for what friction, hard stops and diodes do not allow.
+    fn settle(&mut self, next: [f64; 8], terminals: [Terminal; 2], voltages: [Option<f64>; 2]) {
+        let [a, b, velocity, angle, electrical_j, copper_j, friction_j, load_j] = next;
+        let kinetic_before_j = self.mechanics.kinetic_j(velocity);
+        let stopped = self.mechanics.stopped_by_friction(self.velocity_rad_s, velocity);
+        let reached = self.angle.advanced_to(angle);
+        let turns = reached.turns(self.parameters.pole_pairs);
+        let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, stopped);
+        let swallowed_j = kinetic_before_j - self.mechanics.kinetic_j(allowed_velocity);
+        let angle_moved = libm::fabs(angle - self.angle.electrical_rad()) > ANGLE_RESOLUTION_RAD;
+        if allowed_turns != turns {
+            self.angle = RotorAngle::from_turns(allowed_turns, self.parameters.pole_pairs);
+        } else if angle_moved {
+            self.angle = reached;
+        }
+        if libm::fabs(allowed_velocity - self.velocity_rad_s) > VELOCITY_RESOLUTION_RAD_S {
+            self.velocity_rad_s = allowed_velocity;
+        } else if !angle_moved {
+            self.velocity_rad_s = 0.0;
+        }
+        let [at_a, at_b] = terminals;
+        let [across_a, across_b] = voltages;
+        let [before_a, before_b] = self.currents_a;
+        self.currents_a = [
+            settled_current(at_a, across_a, before_a, a),
+            settled_current(at_b, across_b, before_b, b),
+        ];
+        self.torque_nm = self.torque();
+        self.step_energy = Energy::from_joules(electrical_j, copper_j, friction_j + swallowed_j, load_j);
+    }
+
+    fn torque(&self) -> f64 {
+        let [a, b] = self.currents_a;
+        let (sine, cosine) = libm::sincos(self.angle.electrical_rad());
+        let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
+        self.parameters.motor_constant() * (b * cosine - a * sine) - self.parameters.detent_torque_nm * detent
+    }
+}
+
+/// The voltage across a coil: what drives it, or the bus against what current is left.
+fn across(terminal: Terminal, current_a: f64) -> Option<f64> {
+    match terminal {
+        Terminal::Driven { voltage_v } => Some(voltage_v),
+        Terminal::Floating { .. } if current_a == 0.0 => None,
+        Terminal::Floating { bus_voltage_v } => Some(-libm::copysign(bus_voltage_v, current_a)),
+    }
+}
+
+/// The current after a step: diodes let it die, not turn round; and a change too small to matter is none.
+fn settled_current(terminal: Terminal, across: Option<f64>, before_a: f64, after_a: f64) -> f64 {
+    let died = matches!(terminal, Terminal::Floating { .. }) && (across.is_none() || before_a * after_a <= 0.0);
+    if died {
+        0.0
+    } else if libm::fabs(after_a - before_a) > CURRENT_RESOLUTION_A {
+        after_a
+    } else {
+        before_a
+    }
+}
+
+#[cfg(test)]
+mod tests;

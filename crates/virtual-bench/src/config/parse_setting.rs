@@ -1,0 +1,300 @@
+//! Changes to a running bench by name: `m1.load.torque_nm`, `supply.voltage_v`, `m2.fault.coil_open`.
+
+use core::ops::{Range, RangeInclusive};
+
+use super::BenchConfig;
+use super::module::ModuleConfig;
+use super::pins::{self, ANALOG_MAX};
+use super::quantity::{self, Quantity};
+use super::setting::{Coil, Contact, EncoderLine, Power, Setting, SwitchName};
+use super::suggest;
+
+/// Words that names of settings begin with.
+const SETTING_ROOTS: [&str; 7] = ["ain", "fault", "input", "load", "power", "supply", "temperature_c"];
+
+/// Words that other names in the same namespace begin with.
+const SIGNAL_ROOTS: [&str; 3] = ["output", "physical", "sensed"];
+
+/// Whether names of signals or settings begin with a word, so that no module can be called so.
+pub(super) fn is_reserved(word: &str) -> bool {
+    SETTING_ROOTS.contains(&word) || SIGNAL_ROOTS.contains(&word)
+}
+
+/// What may be set; `N` stands for a number.
+pub const SETTINGS: [&str; 16] = [
+    "load.torque_nm",
+    "load.inertia_kgm2",
+    "load.friction_nm",
+    "input.N",
+    "ain.N",
+    "supply.voltage_v",
+    "temperature_c",
+    "fault.encoder_line",
+    "fault.coil_open",
+    "fault.coil_short",
+    "fault.switch_left",
+    "fault.switch_right",
+    "fault.switch_home",
+    "fault.board_temperature_c",
+    "fault.dropped_steps",
+    "power",
+];
+
+/// Settings that without a module's name hold for every module.
+const COMMON: [&str; 2] = ["supply.voltage_v", "temperature_c"];
+
+/// A value for a setting, before it is known what it must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingValue<'a> {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Text(&'a str),
+}
+
+impl<'a> From<&'a str> for SettingValue<'a> {
+    /// What somebody typed: a number if it reads as one.
+    fn from(text: &'a str) -> Self {
+        text.trim().parse().map_or(Self::Text(text.trim()), Self::Number)
+    }
+}
+
+/// Why a setting was refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct SettingError {
+    /// Whether the name is wrong, or the value for it.
+    pub part: Part,
+    /// What is wrong and what is allowed.
+    pub message: String,
+    /// What might have been meant, or what there is to choose from.
+    pub help: Option<String>,
+}
+
+/// A part of a setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Its name.
+    Name,
+    /// Its value.
+    Value,
+}
+
+impl SettingError {
+    fn name(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { part: Part::Name, message: message.into(), help: Some(help.into()) }
+    }
+
+    fn value(message: impl Into<String>) -> Self {
+        Self { part: Part::Value, message: message.into(), help: None }
+    }
+}
+
+/// What `name = value` means on this bench: settings, each with the place of its module.
+///
+/// A name begins with a module's, `m1.load.torque_nm`. With a single module that may be left out; with several,
+/// `supply.voltage_v` and `temperature_c` without it mean all of them. In all other cases it is one setting.
+///
+/// # Errors
+/// [`SettingError`]: there is no such module, setting or pin, something else drives the pin, or the value is not allowed.
+pub fn parse_setting(
+    bench: &BenchConfig,
+    name: &str,
+    value: SettingValue<'_>,
+) -> Result<Vec<(usize, Setting)>, SettingError> {
+    let (indices, rest) = find_modules(&bench.modules, name)?;
+    let settings = indices.map(|index| parse_for(bench, index, rest, value).map(|setting| (index, setting)));
+    settings.collect()
+}
+
+/// Splits a name into the modules it is about and the rest.
+fn find_modules<'n>(
+    modules: &[ModuleConfig],
+    name: &'n str,
+) -> Result<(Range<usize>, &'n str), SettingError> {
+    let (first, rest) = name.split_once('.').unwrap_or((name, ""));
+    if let Some(index) = modules.iter().position(|module| module.name == first) {
+        return Ok((index..index + 1, rest));
+    }
+    let names: Vec<&str> = modules.iter().map(|module| module.name.as_str()).collect();
+    let begins_setting = |word: &str| SETTING_ROOTS.contains(&word);
+    if begins_setting(rest.split('.').next().unwrap_or_default()) && !begins_setting(first) {
+        return Err(SettingError::name(
+            format!("there is no module \"{first}\""),
+            suggest::help(first, &names),
+        ));
+    }
+    match names.as_slice() {
+        [] | [_] => Ok((0..1, name)),
+        _ if COMMON.contains(&name) => Ok((0..modules.len(), name)),
+        [one, ..] if begins_setting(first) => {
+            let help = format!("for example {one}.{name}; modules: {}", names.join(", "));
+            Err(SettingError::name(format!("{name} must say of which module"), help))
+        }
+        _ => Err(unknown(name)),
+    }
+}
+
+fn parse_for(
+    bench: &BenchConfig,
+    index: usize,
+    name: &str,
+    value: SettingValue<'_>,
+) -> Result<Setting, SettingError> {
+    let Some(module) = bench.modules.get(index) else {
+        return Err(SettingError::name("there is no module on the bench", "add a [[module]]"));
+    };
+    match name.split_once('.') {
+        Some(("input", number)) => input(bench, index, module, number, value),
+        Some(("ain", number)) => analog_input(module, number, value),
+        Some(("fault", fault)) => parse_fault(module, fault, name, value),
+        _ => parse_plain(name, value),
+    }
+}
+
+fn unknown(name: &str) -> SettingError {
+    SettingError::name(format!("nothing called \"{name}\" can be set"), suggest::help(name, &SETTINGS))
+}
+
+fn parse_plain(name: &str, value: SettingValue<'_>) -> Result<Setting, SettingError> {
+    let number = |quantity: &Quantity| quantity_of(name, value, quantity);
+    match name {
+        "load.torque_nm" => number(&quantity::TORQUE).map(Setting::LoadTorqueNm),
+        "load.inertia_kgm2" => number(&quantity::LOAD_INERTIA).map(Setting::LoadInertiaKgm2),
+        "load.friction_nm" => number(&quantity::FRICTION).map(Setting::LoadFrictionNm),
+        "supply.voltage_v" => number(&quantity::VOLTAGE).map(Setting::SupplyVoltageV),
+        "temperature_c" => number(&quantity::TEMPERATURE).map(Setting::AmbientC),
+        "power" => {
+            let choices = [("off", Power::Off), ("on", Power::On), ("cycle", Power::Cycle)];
+            choice(name, value, &choices).map(Setting::Power)
+        }
+        _ => Err(unknown(name)),
+    }
+}
+
+/// Full steps that an event may make the rotor slip.
+const DROPPED_STEPS: RangeInclusive<i32> = -1_000_000..=1_000_000;
+
+fn parse_fault(
+    module: &ModuleConfig,
+    fault: &str,
+    name: &str,
+    value: SettingValue<'_>,
+) -> Result<Setting, SettingError> {
+    let coils = [("none", None), ("a", Some(Coil::A)), ("b", Some(Coil::B))];
+    let lines = [
+        ("none", None),
+        ("a", Some(EncoderLine::A)),
+        ("b", Some(EncoderLine::B)),
+        ("index", Some(EncoderLine::Index)),
+    ];
+    let switches = &module.switches;
+    let contacts = [("none", None), ("open", Some(Contact::Open)), ("closed", Some(Contact::Closed))];
+    let contact = |switch, there: bool| {
+        let stuck = choice(name, value, &contacts)?;
+        let help = "a switch needs a place in [module.switches], however far away";
+        let missing = || SettingError::name(format!("{} has no switch there", module.name), help);
+        there.then_some(Setting::SwitchContact { switch, stuck }).ok_or_else(missing)
+    };
+    match fault {
+        "encoder_line" => choice(name, value, &lines).map(Setting::EncoderLine),
+        "coil_open" => choice(name, value, &coils).map(Setting::CoilOpen),
+        "coil_short" => choice(name, value, &coils).map(Setting::CoilShort),
+        "switch_left" => contact(SwitchName::Left, switches.left.is_some()),
+        "switch_right" => contact(SwitchName::Right, switches.right.is_some()),
+        "switch_home" => contact(SwitchName::Home, switches.home.is_some()),
+        "board_temperature_c" => match value {
+            SettingValue::Text("none") => Ok(Setting::BoardTemperatureC(None)),
+            SettingValue::Text(_) => Err(SettingError::value(format!("{name} must be a number or \"none\""))),
+            SettingValue::Number(_) => quantity_of(name, value, &quantity::TEMPERATURE)
+                .map(|temperature_c| Setting::BoardTemperatureC(Some(temperature_c))),
+        },
+        "dropped_steps" => whole(name, value, DROPPED_STEPS).map(Setting::DroppedSteps),
+        _ => Err(unknown(name)),
+    }
+}
+
+fn input(
+    bench: &BenchConfig,
+    index: usize,
+    module: &ModuleConfig,
+    number: &str,
+    value: SettingValue<'_>,
+) -> Result<Setting, SettingError> {
+    let pins = pins::of(module.kind);
+    let name = format!("input.{number}");
+    let number = find_number(pins.inputs, number).ok_or_else(|| {
+        let known = format!("{}, {}", pins::names("input", pins.inputs), pins::names("ain", pins.analog));
+        SettingError::name(format!("{} has no {name} to set", module.name), format!("allowed here: {known}"))
+    })?;
+    if bench.wires.iter().any(|wire| wire.to_module == index && wire.input == number) {
+        let message = format!("{name} of {} is driven by a wire", module.name);
+        return Err(SettingError::name(message, "set what drives the wire, or leave the [[wire]] out"));
+    }
+    if module.switches.home.is_some() && pins.home == number {
+        let message = format!("{name} of {} is driven by its home switch", module.name);
+        return Err(SettingError::name(
+            message,
+            "fault.switch_home = \"open\" or \"closed\" overrides the switch",
+        ));
+    }
+    whole(&name, value, 0..=1).map(|level| Setting::Input { number, high: level == 1 })
+}
+
+fn analog_input(
+    module: &ModuleConfig,
+    number: &str,
+    value: SettingValue<'_>,
+) -> Result<Setting, SettingError> {
+    let pins = pins::of(module.kind);
+    let name = format!("ain.{number}");
+    let number = find_number(pins.analog, number).ok_or_else(|| {
+        let known = pins::names("ain", pins.analog);
+        SettingError::name(format!("{} has no {name} to set", module.name), format!("allowed here: {known}"))
+    })?;
+    whole(&name, value, 0..=ANALOG_MAX).map(|reading| Setting::AnalogInput { number, reading })
+}
+
+fn find_number(numbers: &[u8], text: &str) -> Option<u8> {
+    numbers.iter().copied().find(|number| number.to_string() == text)
+}
+
+fn quantity_of(name: &str, value: SettingValue<'_>, quantity: &Quantity) -> Result<f64, SettingError> {
+    match value {
+        SettingValue::Number(number) => quantity.check(name, number).map_err(SettingError::value),
+        SettingValue::Text(text) => {
+            Err(SettingError::value(format!("{name} must be a number, not \"{text}\"")))
+        }
+    }
+}
+
+/// A whole number of some type within bounds.
+fn whole<T>(name: &str, value: SettingValue<'_>, allowed: RangeInclusive<T>) -> Result<T, SettingError>
+where
+    T: Copy + PartialOrd + TryFrom<i64> + core::fmt::Display,
+{
+    let (low, high) = (allowed.start(), allowed.end());
+    let wanted = format!("{name} must be a whole number from {low} to {high}");
+    let number = match value {
+        SettingValue::Number(number) => number,
+        SettingValue::Text(text) => return Err(SettingError::value(format!("{wanted}, not \"{text}\""))),
+    };
+    // The cast saturates; NaN has no fraction that is 0.
+    let exact = (libm::modf(number).0 == 0.0).then_some(number as i64);
+    let found = exact.and_then(|exact| T::try_from(exact).ok()).filter(|found| allowed.contains(found));
+    found.ok_or_else(|| SettingError::value(format!("{wanted}, not {number}")))
+}
+
+fn choice<T: Copy>(name: &str, value: SettingValue<'_>, choices: &[(&str, T)]) -> Result<T, SettingError> {
+    let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
+    let (found, help) = match value {
+        SettingValue::Text(text) => (format!("\"{text}\""), suggest::help(text, &words)),
+        SettingValue::Number(number) => (number.to_string(), suggest::help("", &words)),
+    };
+    let known = choices.iter().find(|(word, _)| value == SettingValue::Text(word));
+    known.map(|(_, meaning)| *meaning).ok_or_else(|| SettingError {
+        part: Part::Value,
+        message: format!("{name} cannot be {found}"),
+        help: Some(help),
+    })
+}

@@ -1,0 +1,120 @@
+//! `[[wire]]`: from one module's output to another's input.
+
+use super::error::ConfigError;
+use super::module::ModuleConfig;
+use super::pins::{self, Pins};
+use super::section::{Section, Table};
+use super::suggest;
+
+/// A wire, from an output to a digital input that nothing else drives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wire {
+    /// Whose output: the module's place on the bench.
+    pub from_module: usize,
+    /// Its port number.
+    pub output: u8,
+    /// Whose input: the module's place on the bench.
+    pub to_module: usize,
+    /// Its port number.
+    pub input: u8,
+}
+
+/// A module's pin.
+#[derive(Clone, Copy)]
+struct Pin {
+    module: usize,
+    number: u8,
+}
+
+/// Reads all wires between `modules`.
+pub(super) fn read_all(
+    tables: Vec<Table<'_>>,
+    modules: &[ModuleConfig],
+    errors: &mut Vec<ConfigError>,
+) -> Vec<Wire> {
+    let mut wires: Vec<Wire> = Vec::new();
+    for Table { table, span } in tables {
+        let mut section = Section::new(table, "[[wire]]", span, errors);
+        let from = read_end(&mut section, "from", "output", |pins| pins.outputs, modules);
+        let to = read_end(&mut section, "to", "input", |pins| pins.inputs, modules);
+        if let Some(to) = to {
+            check_free(&mut section, to, modules, &wires);
+        }
+        section.finish();
+        if let (Some(from), Some(to)) = (from, to) {
+            wires.push(Wire {
+                from_module: from.module,
+                output: from.number,
+                to_module: to.module,
+                input: to.number,
+            });
+        }
+    }
+    wires
+}
+
+/// Reads one end, `m1.output.0`; with a single module `output.0` will do.
+fn read_end(
+    section: &mut Section<'_, '_>,
+    key: &'static str,
+    word: &str,
+    numbers: fn(&Pins) -> &'static [u8],
+    modules: &[ModuleConfig],
+) -> Option<Pin> {
+    if section.key_span(key).is_none() {
+        let message = format!("[[wire]] lacks {key}");
+        section.complain_here(
+            message,
+            Some(format!("{key} = \"m1.{word}.{}\"", if key == "to" { 1 } else { 0 })),
+        );
+    }
+    let (text, span) = section.text(key)?;
+    find_pin(text, word, numbers, modules)
+        .map_err(|(message, help)| section.complain(ConfigError::new(span, message).with_help(help)))
+        .ok()
+}
+
+fn find_pin(
+    text: &str,
+    word: &str,
+    numbers: fn(&Pins) -> &'static [u8],
+    modules: &[ModuleConfig],
+) -> Result<Pin, (String, String)> {
+    let parts: Vec<&str> = text.split('.').collect();
+    let (index, number) = match (parts.as_slice(), modules) {
+        ([pin, number], [_]) if *pin == word => (0, *number),
+        ([name, pin, number], _) if *pin == word => {
+            let names: Vec<&str> = modules.iter().map(|module| module.name.as_str()).collect();
+            let index = names.iter().position(|known| known == name);
+            let help = suggest::help(name, &names);
+            (index.ok_or_else(|| (format!("there is no module \"{name}\""), help))?, *number)
+        }
+        _ => return Err((format!("\"{text}\" is no {word}"), format!("write \"MODULE.{word}.NUMBER\""))),
+    };
+    let numbers = modules.get(index).map(|module| (module, numbers(pins::of(module.kind))));
+    let (module, numbers) =
+        numbers.ok_or_else(|| (format!("\"{text}\" is no {word}"), "there is no module".to_owned()))?;
+    let known = numbers.iter().copied().find(|known| known.to_string() == number);
+    let help = || format!("allowed here: {}", pins::names(word, numbers));
+    let number =
+        known.ok_or_else(|| (format!("{} has no {word} {number} for wires", module.name), help()))?;
+    Ok(Pin { module: index, number })
+}
+
+/// Complains if something else drives an input already.
+fn check_free(section: &mut Section<'_, '_>, to: Pin, modules: &[ModuleConfig], wires: &[Wire]) {
+    let Some(module) = modules.get(to.module) else { return };
+    let other = if wires.iter().any(|wire| (wire.to_module, wire.input) == (to.module, to.number)) {
+        "another wire"
+    } else if module.inputs.digital.contains_key(&to.number) {
+        "a level in [module.inputs]"
+    } else if module.switches.home.is_some() && pins::of(module.kind).home == to.number {
+        "the home switch"
+    } else {
+        return;
+    };
+    if let Some(span) = section.key_span("to") {
+        let message = format!("{}.input.{} is already driven by {other}", module.name, to.number);
+        section.complain(ConfigError::new(span, message));
+    }
+}

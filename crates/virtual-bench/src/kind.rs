@@ -1,0 +1,37 @@
+//! The kinds of modules that the bench can build.
+
+use tmcl_tables::ModuleSpec;
+
+/// A kind of module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModuleKind {
+    /// The TMCM-1311, in open loop.
+    Tmcm1311,
+}
+
+/// The tables know this module, but there is no virtual one yet; the kinds there are stand in [`ModuleKind::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no virtual {0} yet")]
+pub struct UnknownModuleKind(pub &'static str);
+
+impl ModuleKind {
+    /// Every kind.
+    pub const ALL: [Self; 1] = [Self::Tmcm1311];
+
+    /// The module's tables.
+    #[must_use]
+    pub fn spec(self) -> &'static ModuleSpec {
+        match self {
+            Self::Tmcm1311 => &tmcl_tables::tmcm_1311::SPEC,
+        }
+    }
+}
+
+impl TryFrom<&'static ModuleSpec> for ModuleKind {
+    type Error = UnknownModuleKind;
+
+    fn try_from(spec: &'static ModuleSpec) -> Result<Self, UnknownModuleKind> {
+        let kind = Self::ALL.into_iter().find(|kind| kind.spec().number == spec.number);
+        kind.ok_or(UnknownModuleKind(spec.id))
+    }
+}

@@ -1,0 +1,81 @@
+//! A stepper module's hardware as the bench file describes it.
+
+use driver_chips::tmc262::{Board, CoilFault, Tmc262};
+use module_firmware::tmcm_1311::Sensed;
+use motor_physics::encoder::{Encoder, EncoderConfig, EncoderFault};
+use motor_physics::heat::{HeatParameters, HeatedBody};
+use motor_physics::mechanics::Mechanics;
+use motor_physics::stepper::{Stepper, StepperParameters};
+use motor_physics::supply::Supply;
+use motor_physics::switch::LimitSwitch;
+
+use super::{StepperBench, SurroundingsState};
+use crate::config::{ModuleConfig, MotorConfig};
+use crate::kind::ModuleKind;
+
+/// The TMCM-1311's power stage: 3 A RMS (TMCM-1311 §2).
+const BOARD: Board = Board { full_scale_rms_a: 3.0 };
+
+impl StepperBench {
+    /// Everything at rest, the shaft at 0.
+    pub(crate) fn new(config: &ModuleConfig) -> Self {
+        let parameters = motor(config);
+        let motor = Stepper::new(parameters, mechanics(config, &parameters));
+        let turns = motor.turns();
+        let switches = [config.switches.left, config.switches.right, config.switches.home];
+        let mut bench = Self {
+            chip: Tmc262::new(BOARD),
+            load: config.load.torque.clone(),
+            encoder: encoder(config, turns),
+            encoder_has_index: config.encoder.index,
+            switches: switches.map(|switch| switch.map(|switch| LimitSwitch::new(switch, turns))),
+            supply: Supply::new(config.supply),
+            winding: HeatedBody::new(HeatParameters::stepper_winding(&parameters)),
+            board: HeatedBody::new(HeatParameters::board()),
+            surroundings: surroundings(config),
+            motor,
+            time_ns: 0,
+            heat_from_pj: 0,
+            sensed: Sensed::default(),
+            field_rad: 0.0,
+            load_nm: 0.0,
+        };
+        bench.sense();
+        bench
+    }
+}
+
+fn surroundings(config: &ModuleConfig) -> SurroundingsState {
+    let digital = config.inputs.digital.iter().filter(|(number, high)| **high && **number < 8);
+    let analog = |number: u8| config.inputs.analog.get(&number).copied().unwrap_or(0);
+    SurroundingsState {
+        ambient_c: config.temperature_c,
+        board_temperature_c: None,
+        coil_faults: [CoilFault::None; 2],
+        inputs: digital.fold(0, |inputs, (number, _)| inputs | (1 << number)),
+        analog_inputs: [analog(0), analog(4)],
+    }
+}
+
+/// The bench file's parser lets no other motor near a stepper module; built by hand, a wrong one becomes the default.
+fn motor(config: &ModuleConfig) -> StepperParameters {
+    let default = || MotorConfig::default_for(ModuleKind::Tmcm1311).stepper();
+    config.motor.stepper().or_else(default).expect("the TMCM-1311's default motor is a stepper")
+}
+
+fn mechanics(config: &ModuleConfig, motor: &StepperParameters) -> Mechanics {
+    let load = &config.load;
+    Mechanics {
+        inertia_kgm2: motor.rotor_inertia_kgm2 + load.inertia_kgm2,
+        friction_nm: load.friction_nm,
+        viscous_nm_s_per_rad: load.viscous_nm_s_per_rad,
+        hard_stops: load.hard_stops,
+    }
+}
+
+fn encoder(config: &ModuleConfig, turns: f64) -> Encoder {
+    let crate::config::EncoderConfig { counts, offset_turns, inverted, index } = config.encoder;
+    let mut encoder = Encoder::new(EncoderConfig { counts_per_turn: counts, offset_turns, inverted }, turns);
+    encoder.fault = if index { EncoderFault::None } else { EncoderFault::Index };
+    encoder
+}

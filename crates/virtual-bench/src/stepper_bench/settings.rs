@@ -1,0 +1,90 @@
+//! What can be changed about a stepper module's surroundings while it runs.
+
+use driver_chips::tmc262::CoilFault;
+use motor_physics::encoder::EncoderFault;
+use motor_physics::load::LoadTorque;
+use motor_physics::switch::SwitchFault;
+
+use super::StepperBench;
+use crate::config::{Coil, Contact, EncoderLine, Setting, SwitchName};
+use crate::module::Surroundings;
+
+/// Full steps in an electrical period.
+const FULL_STEPS: f64 = 4.0;
+
+impl Surroundings for StepperBench {
+    fn apply(&mut self, setting: Setting) {
+        let state = &mut self.surroundings;
+        match setting {
+            Setting::LoadTorqueNm(torque_nm) => self.load = LoadTorque::Constant(torque_nm),
+            Setting::LoadInertiaKgm2(inertia_kgm2) => {
+                self.motor.mechanics.inertia_kgm2 = self.motor.parameters.rotor_inertia_kgm2 + inertia_kgm2;
+            }
+            Setting::LoadFrictionNm(friction_nm) => self.motor.mechanics.friction_nm = friction_nm,
+            Setting::Input { number, high } => {
+                let bit = 1_u8.checked_shl(number.into()).unwrap_or(0);
+                state.inputs = if high { state.inputs | bit } else { state.inputs & !bit };
+            }
+            Setting::AnalogInput { number, reading } => {
+                let [ain_0, ain_4] = &mut state.analog_inputs;
+                match number {
+                    0 => *ain_0 = reading,
+                    4 => *ain_4 = reading,
+                    _ => {}
+                }
+            }
+            Setting::SupplyVoltageV(voltage_v) => self.supply.parameters.voltage_v = voltage_v,
+            Setting::AmbientC(ambient_c) => state.ambient_c = ambient_c,
+            Setting::EncoderLine(line) => self.encoder.fault = encoder_fault(line, self.encoder_has_index),
+            Setting::CoilOpen(coil) => state.coil_faults = coil_faults(coil, CoilFault::Open),
+            Setting::CoilShort(coil) => state.coil_faults = coil_faults(coil, CoilFault::ShortToGround),
+            Setting::SwitchContact { switch, stuck } => self.stick(switch, stuck),
+            Setting::BoardTemperatureC(board_temperature_c) => state.board_temperature_c = board_temperature_c,
+            Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
+            // The bench itself switches modules on and off.
+            Setting::Power(_) => {}
+        }
+        // What changed may show at once, even if nothing moves.
+        self.sense();
+    }
+
+    fn encoder_counts(&self) -> i32 {
+        self.sensed.encoder_counts
+    }
+}
+
+impl StepperBench {
+    fn stick(&mut self, switch: SwitchName, stuck: Option<Contact>) {
+        let [left, right, home] = &mut self.switches;
+        let switch = match switch {
+            SwitchName::Left => left,
+            SwitchName::Right => right,
+            SwitchName::Home => home,
+        };
+        if let Some(switch) = switch {
+            switch.fault = match stuck {
+                None => SwitchFault::None,
+                Some(Contact::Open) => SwitchFault::StuckOpen,
+                Some(Contact::Closed) => SwitchFault::StuckClosed,
+            };
+        }
+    }
+}
+
+/// An encoder without an index is one whose index never comes.
+fn encoder_fault(line: Option<EncoderLine>, has_index: bool) -> EncoderFault {
+    match line {
+        None if has_index => EncoderFault::None,
+        Some(EncoderLine::A) => EncoderFault::LineA,
+        Some(EncoderLine::B) => EncoderFault::LineB,
+        None | Some(EncoderLine::Index) => EncoderFault::Index,
+    }
+}
+
+fn coil_faults(coil: Option<Coil>, fault: CoilFault) -> [CoilFault; 2] {
+    match coil {
+        None => [CoilFault::None; 2],
+        Some(Coil::A) => [fault, CoilFault::None],
+        Some(Coil::B) => [CoilFault::None, fault],
+    }
+}
