@@ -39,9 +39,67 @@ impl RotorAngle {
     }
 }
 
+/// A direction: sine and cosine of an angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Direction {
+    pub(crate) sine: f64,
+    pub(crate) cosine: f64,
+}
+
+impl Direction {
+    /// The direction of an angle.
+    pub(crate) fn of(angle_rad: f64) -> Self {
+        let (sine, cosine) = libm::sincos(angle_rad);
+        Self { sine, cosine }
+    }
+
+    /// The direction `by_rad` further on. Small turns, as within a step, go by a power series whose error is below the last
+    /// bit: an integrator asks four times a step, and a whole sine costs more than all the rest of it.
+    pub(crate) fn turned(self, by_rad: f64) -> Self {
+        let turn = if libm::fabs(by_rad) < 0.5 { small(by_rad) } else { Self::of(by_rad) };
+        Self {
+            sine: self.sine * turn.cosine + self.cosine * turn.sine,
+            cosine: self.cosine * turn.cosine - self.sine * turn.sine,
+        }
+    }
+}
+
+/// Taylor's series to the twelfth and thirteenth power: at half a radian the next terms are below 1e-15.
+fn small(angle_rad: f64) -> Direction {
+    let square = angle_rad * angle_rad;
+    let series = |coefficients: [f64; 6]| coefficients.into_iter().fold(0.0, |sum, next| sum * square + next);
+    let cosine = series([
+        1.0 / 479_001_600.0,
+        -1.0 / 3_628_800.0,
+        1.0 / 40_320.0,
+        -1.0 / 720.0,
+        1.0 / 24.0,
+        -1.0 / 2.0,
+    ]);
+    let sine = series([
+        1.0 / 6_227_020_800.0,
+        -1.0 / 39_916_800.0,
+        1.0 / 362_880.0,
+        -1.0 / 5_040.0,
+        1.0 / 120.0,
+        -1.0 / 6.0,
+    ]);
+    Direction { sine: angle_rad + angle_rad * square * sine, cosine: 1.0 + square * cosine }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_small_turn_is_as_exact_as_a_whole_sine() {
+        for step in -400..400 {
+            let by_rad = f64::from(step) * 0.003;
+            let (turned, direct) = (Direction::of(1.0).turned(by_rad), Direction::of(1.0 + by_rad));
+            assert!((turned.sine - direct.sine).abs() < 4e-16 * 4.0, "sine at {by_rad}");
+            assert!((turned.cosine - direct.cosine).abs() < 4e-16 * 4.0, "cosine at {by_rad}");
+        }
+    }
 
     #[test]
     fn turns_come_back_over_many_periods() {

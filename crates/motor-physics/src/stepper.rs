@@ -5,7 +5,7 @@
 //! being pushed away until θ is 90° off.
 
 use crate::Terminal;
-use crate::angle::RotorAngle;
+use crate::angle::{Direction, RotorAngle};
 use crate::energy::Energy;
 use crate::mechanics::{Friction, Mechanics};
 use crate::rk4;
@@ -90,9 +90,9 @@ impl Stepper {
     /// The voltages that the turning rotor induces in the coils.
     #[must_use]
     pub fn back_emf_v(&self) -> [f64; 2] {
-        let angle = self.angle.electrical_rad();
+        let Direction { sine, cosine } = Direction::of(self.angle.electrical_rad());
         let peak_v = self.parameters.motor_constant() * self.velocity_rad_s;
-        [-peak_v * libm::sin(angle), peak_v * libm::cos(angle)]
+        [-peak_v * sine, peak_v * cosine]
     }
 
     /// Average power taken from the power stage in the last step.
@@ -124,8 +124,11 @@ impl Stepper {
         let friction = self.mechanics.friction(self.velocity_rad_s, self.torque_nm + load_torque_nm);
         let voltages = self.voltages(terminals);
         let [a, b] = self.currents_a;
-        let start = [a, b, self.velocity_rad_s, self.angle.electrical_rad(), 0.0, 0.0, 0.0, 0.0];
-        let next = rk4::step(start, dt_s, |state| self.derivative(state, voltages, load_torque_nm, friction));
+        let coefficients = self.coefficients(Direction::of(self.angle.electrical_rad()));
+        // The angle is counted from where it is now.
+        let start = [a, b, self.velocity_rad_s, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let next =
+            rk4::step(start, dt_s, |state| coefficients.derivative(state, voltages, load_torque_nm, friction));
         self.settle(next, terminals, voltages);
         self.energy = self.energy.plus(self.step_energy, 1);
         before != (self.angle, self.velocity_rad_s, self.currents_a)
@@ -150,53 +153,35 @@ impl Stepper {
         [across(at_a, a), across(at_b, b)]
     }
 
-    /// Rates of change of (iA, iB, ω, θ) and of the energies (electrical, copper, friction, load).
-    fn derivative(
-        &self,
-        [a, b, velocity, angle, ..]: [f64; 8],
-        [voltage_a, voltage_b]: [Option<f64>; 2],
-        load_torque_nm: f64,
-        friction: Friction,
-    ) -> [f64; 8] {
-        let parameters = &self.parameters;
-        let (sine, cosine) = libm::sincos(angle);
-        let constant = parameters.motor_constant();
-        let slope = |voltage_v: Option<f64>, current_a: f64, emf_v: f64| {
-            voltage_v.map_or(0.0, |voltage_v| {
-                (voltage_v - parameters.resistance_ohm * current_a - emf_v) / parameters.inductance_h
-            })
-        };
-        // sin 4θ = 4 sin θ cos θ (cos²θ − sin²θ)
-        let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
-        let torque = constant * (b * cosine - a * sine) - parameters.detent_torque_nm * detent;
-        let friction_power = match friction {
-            Friction::Sticks => 0.0,
-            Friction::Acts(friction_nm) => {
-                velocity * (self.mechanics.viscous_nm_s_per_rad * velocity - friction_nm)
-            }
-        };
-        [
-            slope(voltage_a, a, -constant * velocity * sine),
-            slope(voltage_b, b, constant * velocity * cosine),
-            self.mechanics.acceleration(velocity, torque + load_torque_nm, friction),
-            parameters.pole_pairs * velocity,
-            voltage_a.unwrap_or(0.0) * a + voltage_b.unwrap_or(0.0) * b,
-            parameters.resistance_ohm * (a * a + b * b),
-            friction_power,
-            -load_torque_nm * velocity,
-        ]
+    /// Torque between rotor and stator, as things stand.
+    fn torque(&self) -> f64 {
+        let direction = Direction::of(self.angle.electrical_rad());
+        self.coefficients(direction).torque(self.currents_a, direction)
+    }
+
+    fn coefficients(&self, start: Direction) -> Coefficients {
+        Coefficients {
+            start,
+            motor_constant: self.parameters.motor_constant(),
+            detent_torque_nm: self.parameters.detent_torque_nm,
+            resistance_ohm: self.parameters.resistance_ohm,
+            per_inductance: 1.0 / self.parameters.inductance_h,
+            per_inertia: 1.0 / self.mechanics.inertia_kgm2,
+            viscous_nm_s_per_rad: self.mechanics.viscous_nm_s_per_rad,
+            pole_pairs: self.parameters.pole_pairs,
+        }
     }
 
     /// Takes over what the integrator found, but for what friction, hard stops and diodes do not allow.
     fn settle(&mut self, next: [f64; 8], terminals: [Terminal; 2], voltages: [Option<f64>; 2]) {
-        let [a, b, velocity, angle, electrical_j, copper_j, friction_j, load_j] = next;
+        let [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j, load_j] = next;
         let kinetic_before_j = self.mechanics.kinetic_j(velocity);
         let stopped = self.mechanics.stopped_by_friction(self.velocity_rad_s, velocity);
-        let reached = self.angle.advanced_to(angle);
+        let reached = self.angle.advanced_to(self.angle.electrical_rad() + turned_rad);
         let turns = reached.turns(self.parameters.pole_pairs);
         let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, stopped);
         let swallowed_j = kinetic_before_j - self.mechanics.kinetic_j(allowed_velocity);
-        let angle_moved = libm::fabs(angle - self.angle.electrical_rad()) > ANGLE_RESOLUTION_RAD;
+        let angle_moved = libm::fabs(turned_rad) > ANGLE_RESOLUTION_RAD;
         if allowed_turns != turns {
             self.angle = RotorAngle::from_turns(allowed_turns, self.parameters.pole_pairs);
         } else if angle_moved {
@@ -217,12 +202,62 @@ impl Stepper {
         self.torque_nm = self.torque();
         self.step_energy = Energy::from_joules(electrical_j, copper_j, friction_j + swallowed_j, load_j);
     }
+}
 
-    fn torque(&self) -> f64 {
-        let [a, b] = self.currents_a;
-        let (sine, cosine) = libm::sincos(self.angle.electrical_rad());
+/// What stays the same within a step.
+struct Coefficients {
+    /// Where the rotor is at its beginning.
+    start: Direction,
+    motor_constant: f64,
+    detent_torque_nm: f64,
+    resistance_ohm: f64,
+    per_inductance: f64,
+    per_inertia: f64,
+    viscous_nm_s_per_rad: f64,
+    pole_pairs: f64,
+}
+
+impl Coefficients {
+    /// Rates of change of (iA, iB, ω, θ) and of the energies (electrical, copper, friction, load); θ counts from `start`.
+    fn derivative(
+        &self,
+        [a, b, velocity, turned_rad, ..]: [f64; 8],
+        [voltage_a, voltage_b]: [Option<f64>; 2],
+        load_torque_nm: f64,
+        friction: Friction,
+    ) -> [f64; 8] {
+        let direction = self.start.turned(turned_rad);
+        let peak_emf_v = self.motor_constant * velocity;
+        let slope = |voltage_v: Option<f64>, current_a: f64, emf_v: f64| {
+            voltage_v.map_or(0.0, |voltage_v| {
+                (voltage_v - self.resistance_ohm * current_a - emf_v) * self.per_inductance
+            })
+        };
+        let driving_nm = self.torque([a, b], direction) + load_torque_nm;
+        let viscous_nm = self.viscous_nm_s_per_rad * velocity;
+        let (acceleration, friction_w) = match friction {
+            Friction::Sticks => (0.0, 0.0),
+            Friction::Acts(friction_nm) => {
+                ((driving_nm + friction_nm - viscous_nm) * self.per_inertia, velocity * (viscous_nm - friction_nm))
+            }
+        };
+        [
+            slope(voltage_a, a, -peak_emf_v * direction.sine),
+            slope(voltage_b, b, peak_emf_v * direction.cosine),
+            acceleration,
+            self.pole_pairs * velocity,
+            voltage_a.unwrap_or(0.0) * a + voltage_b.unwrap_or(0.0) * b,
+            self.resistance_ohm * (a * a + b * b),
+            friction_w,
+            -load_torque_nm * velocity,
+        ]
+    }
+
+    /// Torque between rotor and stator.
+    fn torque(&self, [a, b]: [f64; 2], Direction { sine, cosine }: Direction) -> f64 {
+        // sin 4θ = 4 sin θ cos θ (cos²θ − sin²θ)
         let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
-        self.parameters.motor_constant() * (b * cosine - a * sine) - self.parameters.detent_torque_nm * detent
+        self.motor_constant * (b * cosine - a * sine) - self.detent_torque_nm * detent
     }
 }
 

@@ -28,6 +28,27 @@ pub struct Supply {
     pub parameters: SupplyParameters,
     bus_voltage_v: f64,
     source_current_a: f64,
+    decay: Decay,
+}
+
+/// How much of a deviation is left after a step, kept for the next one: an exponential is dear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Decay {
+    time_constant_s: f64,
+    dt_s: f64,
+    left: f64,
+}
+
+impl Decay {
+    const NONE: Self = Self { time_constant_s: 0.0, dt_s: 0.0, left: 0.0 };
+
+    /// exp(−dt/τ).
+    fn over(&mut self, dt_s: f64, time_constant_s: f64) -> f64 {
+        if self.dt_s != dt_s || self.time_constant_s != time_constant_s {
+            *self = Self { time_constant_s, dt_s, left: libm::exp(-dt_s / time_constant_s) };
+        }
+        self.left
+    }
 }
 
 /// Bus voltages closer together than this are the same, so that a bus at rest comes to rest.
@@ -37,7 +58,7 @@ impl Supply {
     /// A supply that has been on for a while.
     #[must_use]
     pub fn new(parameters: SupplyParameters) -> Self {
-        Self { parameters, bus_voltage_v: parameters.voltage_v, source_current_a: 0.0 }
+        Self { parameters, bus_voltage_v: parameters.voltage_v, source_current_a: 0.0, decay: Decay::NONE }
     }
 
     /// The bus voltage.
@@ -62,7 +83,7 @@ impl Supply {
         let fed_v = voltage_v - drawn_a * source_resistance_ohm;
         let conducts = self.bus_voltage_v < voltage_v || (self.bus_voltage_v == voltage_v && drawn_a > 0.0);
         let next = if conducts {
-            let decay = libm::exp(-dt_s / (source_resistance_ohm * capacitance_f));
+            let decay = self.decay.over(dt_s, source_resistance_ohm * capacitance_f);
             fed_v + (self.bus_voltage_v - fed_v) * decay
         } else {
             self.bus_voltage_v - drawn_a * dt_s / capacitance_f // the diode blocks

@@ -4,11 +4,10 @@
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use tmcl_tables::Command;
 use tmcl_wire::{Request, serial};
-use virtual_bench::{Bench, ModuleId, ModuleKind, ModuleSetup, PortId};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
 
 fn bench(c: &mut Criterion) {
-    let setup = ModuleSetup { kind: ModuleKind::Tmcm1311, address: None };
-    let mut bench = Bench::new(&[setup]);
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
     c.bench_function("bench/1 s standing", |b| {
         b.iter_batched_ref(|| bench.clone(), |bench| bench.advance_by(1_000_000_000), BatchSize::LargeInput);
     });

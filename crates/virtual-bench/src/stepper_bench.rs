@@ -52,8 +52,8 @@ pub(crate) struct StepperBench {
     /// Bridge heat since the temperatures were brought up to date: winding and bridges, in whole picojoules.
     heat_from_pj: i64,
     sensed: Sensed,
-    /// Where the commanded field stands.
-    field_rad: f64,
+    /// The current vector that the firmware commands.
+    coils: [i16; 2],
     load_nm: f64,
 }
 
@@ -84,7 +84,7 @@ impl Hardware for StepperBench {
         self.load_nm = self.load.at(self.motor.turns(), seconds(self.time_ns));
         let moved = self.motor.advance(terminals, self.load_nm, PERIOD_S);
         self.supply.advance(BOARD_W + self.motor.electrical_power_w(PERIOD_S), PERIOD_S);
-        self.field_rad = field_angle(drive, self.field_rad);
+        self.coils = drive.coils;
         self.time_ns = until_ns;
         self.warm();
         self.sense();
@@ -112,7 +112,7 @@ impl Hardware for StepperBench {
             velocity_rpm: self.motor.velocity_rad_s * 60.0 / TAU,
             torque_nm: self.motor.torque_nm,
             load_nm: self.load_nm,
-            load_angle_deg: wrapped(self.field_rad - self.motor.angle.electrical_rad()).to_degrees(),
+            load_angle_deg: self.load_angle_deg(),
             coil_a_a,
             coil_b_a,
             bus_voltage_v: self.supply.bus_voltage_v(),
@@ -161,6 +161,14 @@ impl StepperBench {
         self.winding.advance(copper_w, seconds(HEAT_NS));
         let bridge_w = copper_w * BRIDGE_OHM / self.motor.parameters.resistance_ohm;
         self.board.advance(BOARD_W + bridge_w, seconds(HEAT_NS));
+    }
+
+    /// How far the rotor lags behind the commanded current vector; 0 when there is none.
+    fn load_angle_deg(&self) -> f64 {
+        match self.coils.map(f64::from) {
+            [0.0, 0.0] => 0.0,
+            [a, b] => wrapped(libm::atan2(b, a) - self.motor.angle.electrical_rad()).to_degrees(),
+        }
     }
 
     fn board_temperature_c(&self) -> f64 {
@@ -234,14 +242,6 @@ fn registers(drive: &Drive) -> Registers {
             quarter_minimum: chip.cool_step.quarter_minimum,
         },
         short_protection_disabled: chip.short_protection_disabled,
-    }
-}
-
-/// Where the commanded current vector points; where it stood before when there is none.
-fn field_angle(drive: &Drive, before_rad: f64) -> f64 {
-    match drive.coils.map(f64::from) {
-        [0.0, 0.0] => before_rad,
-        [a, b] => libm::atan2(b, a),
     }
 }
 

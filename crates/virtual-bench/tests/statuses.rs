@@ -39,7 +39,7 @@ const LATER: [Command; 9] = [
 ];
 
 /// Commands that find something wrong with all fields 0, for a reason of their own.
-const REFUSE_ZEROS: [(Command, Status); 9] = [
+const REFUSE_ZEROS: [(Command, Status); 10] = [
     (Command::StoreAxisParameter, WrongType), // the target position has no E
     (Command::RestoreAxisParameter, WrongType),
     (Command::SetGlobalParameter, WrongType), // bank 0 begins at 64
@@ -49,6 +49,7 @@ const REFUSE_ZEROS: [(Command, Status); 9] = [
     (Command::AccumulatorToGlobalParameter, WrongType),
     (Command::SetOutput, WrongType), // bank 0 is inputs
     (Command::FactoryReset, InvalidValue),
+    (Command::SoftwareReset, InvalidValue),
 ];
 
 fn status_of_zeros(number: u8) -> Status {
@@ -57,10 +58,9 @@ fn status_of_zeros(number: u8) -> Status {
     if FLOW_CONTROL.contains(&command) || LATER.contains(&command) {
         return NotAvailable;
     }
-    match command {
-        // Without a customer's function behind them (open point 212).
-        Command::UserFunction0..=Command::UserFunction7 => InvalidCommand,
-        Command::SoftwareReset => InvalidValue,
+    match number {
+        // User functions without a customer behind them (open point 212).
+        64..=71 => InvalidCommand,
         _ => REFUSE_ZEROS.iter().find(|(refusing, _)| *refusing == command).map_or(Ok, |(_, status)| *status),
     }
 }
@@ -362,20 +362,16 @@ fn of_two_statuses_the_earlier_field_decides() {
     }
 }
 
-/// Closed loop comes with a later issue; torque mode is closed loop only (§6, decisions 5.13).
+/// §6, AP 14 and AP 128: "this mode of operation cannot be used in open loop mode".
 #[test]
-fn closed_loop_is_not_available_yet() {
+fn torque_mode_is_not_available_in_open_loop() {
     let mut module = Module::new();
     for (parameter, value, expected) in [
         (AxisParameter::TorqueTargetCurrent, 100, NotAvailable),
+        (AxisParameter::TorqueTargetCurrent, 0, NotAvailable),
         (AxisParameter::RampMode, 2, NotAvailable),
         (AxisParameter::RampMode, 3, InvalidValue),
-        (AxisParameter::ClosedLoopMode, 1, NotAvailable),
-        (AxisParameter::ClosedLoopMode, 0, Ok),
-        (AxisParameter::ClosedLoopMode, 2, InvalidValue),
-        (AxisParameter::EncoderInitialization, 1, NotAvailable),
-        (AxisParameter::EncoderInitialization, 0, Ok),
-        (AxisParameter::EncoderInitialization, 2, InvalidValue),
+        (AxisParameter::RampMode, 1, Ok),
     ] {
         let status = module.status(Command::SetAxisParameter, parameter.number(), 0, value);
         assert_eq!(status, expected, "SAP {parameter:?} {value}");
@@ -402,15 +398,15 @@ mod position_reached_event {
         module.ok(Command::MoveToPosition, 0, 0, 5000);
         let reply = module.request(REQUEST);
         assert_eq!((reply.status, reply.value), (Ok, MASK));
-        while module.gap(AxisParameter::PositionReached) == 0 {
-            assert_eq!(event(&mut module), None, "not before the target is reached");
+        let seen = loop {
+            assert_eq!(module.gap(AxisParameter::PositionReached), 0, "reached, but no event");
             module.run_ticks(1);
-        }
-        let seen = event(&mut module).or_else(|| {
-            module.run_ticks(1);
-            event(&mut module)
-        });
-        assert_eq!(seen, Some((Status::Delayed, 138, MASK)));
+            if let Some(seen) = event(&mut module) {
+                break seen;
+            }
+        };
+        assert_eq!(seen, (Status::Delayed, 138, MASK));
+        assert_eq!(module.gap(AxisParameter::PositionReached), 1, "not before the target is reached");
         module.ok(Command::MoveToPosition, 0, 0, 0);
         module.run_ms(5000);
         assert_eq!(module.gap(AxisParameter::PositionReached), 1);
@@ -441,5 +437,36 @@ mod position_reached_event {
             module.port = port;
             assert_eq!(event(&mut module).is_some(), port == asked, "{port:?}");
         }
+    }
+
+    /// Decisions 1.10: each well-formed 138 gets two replies, even ten in a row, more than fit the way out at once.
+    #[test]
+    fn comes_for_each_of_several_requests() {
+        let mut module = Module::new();
+        module.ok(Command::MoveToPosition, 0, 0, 500);
+        for _ in 0..10 {
+            module.request(REQUEST);
+        }
+        module.run_ms(2000);
+        assert_eq!(module.unasked(), [tmcl_wire::Reply { status: Status::Delayed, command: 138, value: MASK }; 10]);
+    }
+
+    /// Decisions 2a.11 and 2a.12: by the time of the event, the new host and address count, and silence is silence.
+    #[test]
+    fn obeys_the_settings_that_stand_when_it_is_sent() {
+        let mut module = Module::new();
+        module.ok(Command::MoveToPosition, 0, 0, 500);
+        module.request(REQUEST);
+        module.sgp(GlobalParameter::HostAddress, 20);
+        module.host = 20;
+        module.sgp(GlobalParameter::SerialAddress, 10);
+        module.address = 10;
+        let mut silent = module.clone();
+        module.run_ms(2000);
+        assert_eq!(event(&mut module), Some((Status::Delayed, 138, MASK)));
+
+        silent.sgp(GlobalParameter::SuppressReply, 1);
+        silent.run_ms(2000);
+        assert_eq!(event(&mut silent), None);
     }
 }

@@ -8,8 +8,8 @@ use super::bridge::Connection;
 use super::{Bridge, Outside, Pmsm, State, shaft};
 use crate::rk4;
 
-/// Events in a step at most; what is left then is integrated in one go.
-const MAX_EVENTS: usize = 32;
+/// Parts of a step at most; what is left then is integrated in one go.
+const MAX_PARTS: usize = 32;
 /// Halvings of a step to find an event: to a nanosecond in 50 µs.
 const BISECTIONS: usize = 16;
 
@@ -23,24 +23,30 @@ struct Regime {
 impl Pmsm {
     /// The state after `dt_s`.
     pub(super) fn stepped(&mut self, start: State, bridge: Bridge, load_torque_nm: f64, dt_s: f64) -> State {
+        let longest_s = match bridge {
+            Bridge::Driven { .. } => dt_s,
+            Bridge::Floating { .. } => 0.25 * dt_s, // a rectifier's pulse may begin and end within a step
+        };
         let (mut state, mut left_s) = (start, dt_s);
-        let mut regime;
-        for _ in 0..MAX_EVENTS {
-            (state, regime) = self.begun(state, bridge, load_torque_nm);
-            let look_s = left_s.min(0.25*dt_s);
-            let reached = self.integrated(state, regime, look_s);
-            if self.stays(reached, bridge, regime) {
-                state = reached; left_s -= look_s;
-                if left_s <= 0.0 {return reached;}
-                continue;
+        for _ in 0..MAX_PARTS {
+            let (begin, regime) = self.begun(state, bridge, load_torque_nm);
+            let part_s = left_s.min(longest_s);
+            let reached = self.integrated(begin, regime, part_s);
+            let taken_s = if self.stays(reached, bridge, regime) {
+                state = reached;
+                part_s
+            } else {
+                let event_s = self.event(begin, bridge, regime, part_s);
+                state = self.ended(self.integrated(begin, regime, event_s), regime);
+                event_s
+            };
+            left_s -= taken_s;
+            if left_s <= 0.0 {
+                return state;
             }
-            let event_s = self.event(state, bridge, regime, look_s);
-            state = self.ended(self.integrated(state, regime, event_s), regime);
-            left_s -= event_s;
         }
-        (state, regime) = self.begun(state, bridge, load_torque_nm);
-        let reached = self.integrated(state, regime, left_s);
-        self.ended(reached, regime)
+        let (begin, regime) = self.begun(state, bridge, load_torque_nm);
+        self.ended(self.integrated(begin, regime, left_s), regime)
     }
 
     /// When the regime ends, given that it does within `left_s`.

@@ -174,46 +174,57 @@ fn difference_a(
 
 #[test]
 fn phase_currents_are_within_5_ma_of_a_reference_at_1_us() {
-    for parameters in [preset(), salient(), presets::pmsm("QBL4208-100-04-025").expect("a preset")] {
+    let full_v = 24.0 / libm::sqrt(3.0);
+    for parameters in [preset(), salient()] {
         let at_rest = motor(parameters, 5e-3, 1e-5);
         let mut turning = at_rest.clone();
-        run(&mut turning, 0.5, 0.0, |motor| commutated(motor, [0.0, 12.0]));
-        let full_v = 24.0 / libm::sqrt(3.0);
+        run(&mut turning, 0.1, 0.0, |motor| commutated(motor, [0.0, 12.0]));
+        let mut between_stops = at_rest.clone();
+        between_stops.mechanics.hard_stops =
+            Some(HardStops { low_turns: -0.1, high_turns: 0.1, restitution: 0.5 });
         let differences = [
             // full voltage from standstill, and reversed
-            difference_a(&at_rest, 0.2, |_| 0.0, |motor, _| commutated(motor, [0.0, full_v])),
-            difference_a(&turning, 0.2, |_| 0.0, |motor, _| commutated(motor, [0.0, -full_v])),
+            difference_a(&at_rest, 0.02, |_| 0.0, |motor, _| commutated(motor, [0.0, full_v])),
+            difference_a(&turning, 0.02, |_| 0.0, |motor, _| commutated(motor, [0.0, -full_v])),
             // a load that comes and goes
             difference_a(
                 &turning,
-                0.3,
-                |s| if s < 0.1 { -0.125 } else { 0.0 },
+                0.04,
+                |time_s| if time_s < 0.02 { -0.125 } else { 0.0 },
                 |motor, _| commutated(motor, [0.0, 12.0]),
             ),
-            // a field that jumps by 60°, as with block commutation by hand
+            // a field that jumps by 60°: the rotor swings, stops, and sticks
             difference_a(
                 &at_rest,
-                0.1,
+                0.04,
                 |_| 0.0,
-                |_, s| {
-                    let angle_rad = libm::floor(s / 0.02) * FRAC_PI_3;
+                |_, time_s| {
+                    let angle_rad = libm::floor(time_s / 0.01) * FRAC_PI_3;
                     Bridge::Driven {
                         voltage_alpha_beta_v: [3.0 * libm::cos(angle_rad), 3.0 * libm::sin(angle_rad)],
                     }
                 },
             ),
-            // the stage goes off under current, at speed, and while an outside torque drives the motor beyond its voltage
+            // against an end of travel and away from it
+            difference_a(
+                &between_stops,
+                0.04,
+                |_| 0.0,
+                |motor, time_s| commutated(motor, [0.0, if time_s < 0.02 { 3.0 } else { -3.0 }]),
+            ),
+            // the stage goes off under current and at speed
             difference_a(
                 &turning,
-                0.05,
+                0.02,
                 |_| -0.05,
-                |motor, s| {
-                    if s < 0.01 { commutated(motor, [-3.0, 13.0]) } else { FLOATING }
+                |motor, time_s| {
+                    if time_s < 0.01 { commutated(motor, [-3.0, 13.0]) } else { FLOATING }
                 },
             ),
-            difference_a(&turning, 0.05, |_| 0.3, |_, _| FLOATING),
+            // an outside torque drives the motor beyond the bus voltage
+            difference_a(&turning, 0.02, |_| 0.3, |_, _| FLOATING),
         ];
-        std::eprintln!("{differences:?}"); assert!(differences.iter().all(|difference| *difference < 5e-3), "{differences:?} A");
+        assert!(differences.iter().all(|difference| *difference < 5e-3), "{differences:?} A");
     }
 }
 

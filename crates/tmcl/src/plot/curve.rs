@@ -55,7 +55,12 @@ fn distance(point: Point, from: Point, to: Point) -> f64 {
     let square = along.0 * along.0 + along.1 * along.1;
     let part =
         if square > 0.0 { ((off.0 * along.0 + off.1 * along.1) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (off.0 - part * along.0).hypot(off.1 - part * along.1)
+    length((off.0 - part * along.0, off.1 - part * along.1))
+}
+
+/// Screens are small: no need for the slow `hypot`, which also differs from machine to machine.
+fn length((x, y): Point) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// The pieces of a dashed line: `on` long, then a gap of `off`, measured along the line.
@@ -64,7 +69,7 @@ pub(super) fn dashes(points: &[Point], on: f64, off: f64) -> Vec<[Point; 2]> {
     let mut done = 0.0;
     for pair in points.windows(2) {
         let (from, to) = (pair[0], pair[1]);
-        let length = (to.0 - from.0).hypot(to.1 - from.1);
+        let length = length((to.0 - from.0, to.1 - from.1));
         let at = |along: f64| {
             let part = if length > 0.0 { along / length } else { 0.0 };
             (from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1))

@@ -16,3 +16,17 @@ mod terminal;
 pub(crate) use self::svg::svg;
 pub(crate) use self::terminal::terminal;
 pub(crate) use series::{Figure, Panel, Series, Style};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Libraries that keep things in hash maps would show them in another order now and then.
+    #[test]
+    fn the_same_figure_gives_the_same_text() {
+        let figure = sample::movement(500);
+        let again = figure.clone();
+        assert_eq!(svg(&figure), svg(&again));
+        assert_eq!(terminal(&figure, 80, 40, true), terminal(&again, 80, 40, true));
+    }
+}

@@ -31,9 +31,10 @@ const DEFAULT_RESTITUTION: f64 = 0.3;
 impl LoadConfig {
     /// The load on a module of this kind unless the file says otherwise: a free shaft, with friction that lets it settle.
     ///
-    /// Chosen: with a QSH5718-51-28-101 at the TMCM-1311's default current a shaft released one full step off comes to
-    /// rest, within a twentieth of a step, after 85 ms; it crosses its resonance near one turn a second without coming more than 0.4 full
-    /// steps off; it rests within 0.01 full steps; and at 20 turns a second the friction takes 6 % of the holding torque.
+    /// Chosen: with a QSH5718-51-28-101 at the TMCM-1311's default current a shaft released one full step off comes to rest,
+    /// within a twentieth of a step, after 85 ms; it crosses its resonance near one turn a second without coming more than
+    /// 0.4 full steps off; it rests within 0.02 full steps; and at 20 turns a second the friction takes 6 % of the holding
+    /// torque.
     #[must_use]
     pub fn default_for(kind: ModuleKind) -> Self {
         match kind {

@@ -192,8 +192,10 @@ fn parse_fault(
     let contacts = [("none", None), ("open", Some(Contact::Open)), ("closed", Some(Contact::Closed))];
     let contact = |switch, there: bool| {
         let stuck = choice(name, value, &contacts)?;
-        let help = "a switch needs a place in [module.switches], however far away";
-        let missing = || SettingError::name(format!("{} has no switch there", module.name), help);
+        let missing = || {
+            let message = format!("{} has no {} switch", module.name, fault.trim_start_matches("switch_"));
+            SettingError::name(message, "a switch needs a place in [module.switches], however far away")
+        };
         there.then_some(Setting::SwitchContact { switch, stuck }).ok_or_else(missing)
     };
     match fault {

@@ -187,16 +187,17 @@ pub(super) fn integer(
     entry: Entry<'_>,
     allowed: &RangeInclusive<i64>,
 ) -> Result<i64, ConfigError> {
-    let DeValue::Integer(whole) = entry.get_ref() else {
-        return Err(wrong_type(name, "a whole number", entry));
+    let (value, written) = match entry.get_ref() {
+        DeValue::Integer(whole) => {
+            (i64::from_str_radix(whole.as_str(), whole.radix()).ok(), whole.to_string())
+        }
+        DeValue::Float(float) => (None, float.to_string()),
+        _ => return Err(wrong_type(name, "a whole number", entry)),
     };
-    let value = i64::from_str_radix(whole.as_str(), whole.radix()).ok();
     value.filter(|value| allowed.contains(value)).ok_or_else(|| {
         let (low, high) = (allowed.start(), allowed.end());
-        ConfigError::new(
-            entry.span(),
-            format!("{name} must be a whole number from {low} to {high}, not {whole}"),
-        )
+        let message = format!("{name} must be a whole number from {low} to {high}, not {written}");
+        ConfigError::new(entry.span(), message)
     })
 }
 

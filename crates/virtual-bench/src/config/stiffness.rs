@@ -10,7 +10,7 @@ use super::module::ModuleConfig;
 use crate::ModuleKind;
 
 /// Rates of decay and angular frequencies at most, in 1/s: half a radian in a control period. The fastest motor of the
-/// presets has a third of it.
+/// presets stays below half of it.
 const FASTEST: f64 = 10_000.0;
 
 /// What is too fast about a module's motor and load, and which figures make it so.

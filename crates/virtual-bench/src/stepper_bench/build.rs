@@ -37,7 +37,7 @@ impl StepperBench {
             time_ns: 0,
             heat_from_pj: 0,
             sensed: Sensed::default(),
-            field_rad: 0.0,
+            coils: [0, 0],
             load_nm: 0.0,
         };
         bench.sense();

@@ -5,7 +5,7 @@ use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::serial::{self, DATAGRAM_LENGTH};
 use tmcl_wire::{Reply, Request};
-use virtual_bench::{Bench, ModuleId, ModuleKind, ModuleSetup, PortId, TICK_NS};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId, TICK_NS};
 
 /// The bank of the user variables (§10.3).
 pub(crate) const VARIABLES: u8 = 2;
@@ -30,7 +30,7 @@ pub(crate) struct Module {
 impl Module {
     /// A module as delivered: address 1, host 2 (decisions 2a.20).
     pub(crate) fn new() -> Self {
-        let bench = Bench::new(&[ModuleSetup { kind: ModuleKind::Tmcm1311, address: None }]);
+        let bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
         Self { bench, port: PortId::ALL[0], address: 1, host: 2 }
     }
 

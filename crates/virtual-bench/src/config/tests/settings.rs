@@ -1,0 +1,144 @@
+//! Settings by name.
+
+use super::super::{
+    BenchConfig, Coil, Contact, EncoderLine, Part, Power, SETTINGS, Setting, SettingError, SwitchName,
+    parse_setting,
+};
+use super::bench;
+
+fn single() -> BenchConfig {
+    bench(
+        "[[module]]\nkind = \"tmcm-1311\"\n[module.switches]\nleft.at_turns = -1\nright.at_turns = 1\nhome.at_turns = 0\n",
+    )
+}
+
+fn pair() -> BenchConfig {
+    bench(
+        "[[module]]\nkind = \"tmcm-1311\"\n[[module]]\nkind = \"tmcm-1311\"\n\
+         [[wire]]\nfrom = \"m1.output.0\"\nto = \"m2.input.1\"\n",
+    )
+}
+
+fn set(name: &str, value: &str) -> Setting {
+    let settings = parse_setting(&single(), name, value.into()).expect("a setting");
+    assert_eq!(settings.len(), 1);
+    assert_eq!(settings[0].0, 0);
+    settings[0].1.clone()
+}
+
+fn refused(bench: &BenchConfig, name: &str, value: &str) -> SettingError {
+    parse_setting(bench, name, value.into()).expect_err("refused")
+}
+
+#[test]
+fn every_setting_is_understood() {
+    let cases = [
+        ("load.torque_nm", "-0.4", Setting::LoadTorqueNm(-0.4)),
+        ("load.inertia_kgm2", "1e-4", Setting::LoadInertiaKgm2(1e-4)),
+        ("load.friction_nm", "0", Setting::LoadFrictionNm(0.0)),
+        ("input.2", "1", Setting::Input { number: 2, high: true }),
+        ("ain.4", "2048", Setting::AnalogInput { number: 4, reading: 2048 }),
+        ("supply.voltage_v", "24", Setting::SupplyVoltageV(24.0)),
+        ("temperature_c", "-20", Setting::AmbientC(-20.0)),
+        ("fault.encoder_line", "index", Setting::EncoderLine(Some(EncoderLine::Index))),
+        ("fault.coil_open", "a", Setting::CoilOpen(Some(Coil::A))),
+        ("fault.coil_short", "none", Setting::CoilShort(None)),
+        (
+            "fault.switch_left",
+            "open",
+            Setting::SwitchContact { switch: SwitchName::Left, stuck: Some(Contact::Open) },
+        ),
+        ("fault.switch_right", "none", Setting::SwitchContact { switch: SwitchName::Right, stuck: None }),
+        (
+            "fault.switch_home",
+            "closed",
+            Setting::SwitchContact { switch: SwitchName::Home, stuck: Some(Contact::Closed) },
+        ),
+        ("fault.board_temperature_c", "110", Setting::BoardTemperatureC(Some(110.0))),
+        ("fault.dropped_steps", "-4", Setting::DroppedSteps(-4)),
+        ("power", "cycle", Setting::Power(Power::Cycle)),
+    ];
+    for ((name, value, expected), listed) in cases.into_iter().zip(SETTINGS) {
+        assert_eq!(name.split('.').next(), listed.split('.').next());
+        assert_eq!(set(name, value), expected, "{name}");
+        assert_eq!(set(&format!("m1.{name}"), value), expected, "m1.{name}");
+    }
+    assert_eq!(set("fault.board_temperature_c", "none"), Setting::BoardTemperatureC(None));
+}
+
+#[test]
+fn with_several_modules_a_name_says_which() {
+    let bench = pair();
+    assert_eq!(
+        parse_setting(&bench, "m2.load.torque_nm", "1".into()),
+        Ok(vec![(1, Setting::LoadTorqueNm(1.0))])
+    );
+    let both = [0, 1].map(|module| (module, Setting::SupplyVoltageV(12.0)));
+    assert_eq!(parse_setting(&bench, "supply.voltage_v", "12".into()), Ok(both.to_vec()));
+    assert_eq!(
+        parse_setting(&bench, "m1.temperature_c", "60".into()),
+        Ok(vec![(0, Setting::AmbientC(60.0))])
+    );
+    let error = refused(&bench, "load.torque_nm", "1");
+    assert_eq!(error.message, "load.torque_nm must say of which module");
+    assert_eq!(error.help.as_deref(), Some("for example m1.load.torque_nm; modules: m1, m2"));
+    assert_eq!(refused(&bench, "m3.load.torque_nm", "1").message, "there is no module \"m3\"");
+    assert_eq!(refused(&bench, "m1", "1").message, "nothing called \"\" can be set");
+    assert_eq!(refused(&bench, "nonsense", "1").message, "nothing called \"nonsense\" can be set");
+}
+
+#[test]
+fn what_drives_a_pin_already_is_named() {
+    assert_eq!(refused(&pair(), "m2.input.1", "1").message, "input.1 of m2 is driven by a wire");
+    assert!(parse_setting(&pair(), "m1.input.1", "1".into()).is_ok());
+    assert_eq!(refused(&single(), "input.1", "1").message, "input.1 of m1 is driven by its home switch");
+    assert_eq!(refused(&pair(), "m1.fault.switch_left", "open").message, "m1 has no left switch");
+}
+
+#[test]
+fn values_must_fit() {
+    let bench = single();
+    let cases = [
+        ("load.torque_nm", "heavy", "load.torque_nm must be a number, not \"heavy\""),
+        ("load.torque_nm", "nan", "load.torque_nm must be from -100 to 100 Nm, not NaN"),
+        ("load.inertia_kgm2", "-1", "load.inertia_kgm2 must be from 0 to 10 kgm², not -1"),
+        ("input.2", "2", "input.2 must be a whole number from 0 to 1, not 2"),
+        ("input.2", "0.5", "input.2 must be a whole number from 0 to 1, not 0.5"),
+        ("ain.0", "inf", "ain.0 must be a whole number from 0 to 4095, not inf"),
+        ("ain.0", "full", "ain.0 must be a whole number from 0 to 4095, not \"full\""),
+        ("fault.coil_open", "c", "fault.coil_open cannot be \"c\""),
+        ("fault.coil_open", "1", "fault.coil_open cannot be 1"),
+        ("fault.board_temperature_c", "hot", "fault.board_temperature_c must be a number or \"none\""),
+        (
+            "fault.dropped_steps",
+            "1e12",
+            "fault.dropped_steps must be a whole number from -1000000 to 1000000, not 1000000000000",
+        ),
+        ("power", "toggle", "power cannot be \"toggle\""),
+    ];
+    for (name, value, message) in cases {
+        let error = refused(&bench, name, value);
+        assert_eq!((error.part, error.message.as_str()), (Part::Value, message), "{name} = {value}");
+    }
+}
+
+#[test]
+fn names_must_exist() {
+    let bench = single();
+    for name in [
+        "",
+        "load",
+        "load.",
+        "load.torqe_nm",
+        "fault.x",
+        "input.0",
+        "input.01",
+        "ain.1",
+        "output.0",
+        "m1.m1.power",
+    ] {
+        assert_eq!(refused(&bench, name, "1").part, Part::Name, "{name}");
+    }
+    let help = refused(&bench, "load.torque", "1").help.expect("help");
+    assert!(help.starts_with("did you mean \"load.torque_nm\"?"), "{help}");
+}
