@@ -17,7 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "motion-control"]),
     ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
     ("tmcl-server", &["virtual-bench"]),
-    ("tmcl", &["tmcl-tables", "tmcl-server", "virtual-bench"]),
+    ("tmcl", &["tmcl-tables", "tmcl-wire", "tmcl-server", "virtual-bench"]),
     ("xtask", &[]),
 ];
 

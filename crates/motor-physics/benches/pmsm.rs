@@ -8,9 +8,9 @@ use motor_physics::presets;
 
 const DT_S: f64 = 50e-6;
 
-fn second(motor: &mut Pmsm, bridge: impl Fn(&Pmsm) -> Bridge) {
+fn second(motor: &mut Pmsm, load_nm: f64, bridge: impl Fn(&Pmsm) -> Bridge) {
     for _ in 0..20_000 {
-        motor.advance(bridge(motor), -0.05, DT_S);
+        motor.advance(bridge(motor), load_nm, DT_S);
     }
 }
 
@@ -25,13 +25,17 @@ fn pmsm(c: &mut Criterion) {
     let mechanics =
         Mechanics { inertia_kgm2, friction_nm: 2e-3, viscous_nm_s_per_rad: 2e-5, hard_stops: None };
     let mut turning = Pmsm::new(parameters, mechanics);
-    second(&mut turning, commutated);
+    second(&mut turning, -0.05, commutated);
     c.bench_function("pmsm/1 s turning", |b| {
-        b.iter_batched_ref(|| turning.clone(), |motor| second(motor, commutated), BatchSize::SmallInput);
+        b.iter_batched_ref(
+            || turning.clone(),
+            |motor| second(motor, -0.05, commutated),
+            BatchSize::SmallInput,
+        );
     });
     c.bench_function("pmsm/1 s coasting", |b| {
         let coasting = |_: &Pmsm| Bridge::Floating { bus_voltage_v: 24.0 };
-        b.iter_batched_ref(|| turning.clone(), |motor| second(motor, coasting), BatchSize::SmallInput);
+        b.iter_batched_ref(|| turning.clone(), |motor| second(motor, 0.0, coasting), BatchSize::SmallInput);
     });
 }
 

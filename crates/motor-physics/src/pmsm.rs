@@ -19,12 +19,12 @@ mod step;
 
 pub use bridge::Bridge;
 
-use crate::angle::RotorAngle;
+use crate::angle::{Direction, RotorAngle};
 use crate::energy::{Energy, joules};
 use crate::mechanics::{Friction, Mechanics};
 use bridge::{Connection, Rails};
 use currents::CurrentSlopes;
-use frame::{Turn, dot, phases_of};
+use frame::{SQRT_3, dot, phases_of};
 
 /// A brushless motor's datasheet, as a star of three phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ impl PmsmParameters {
     /// voltage between two terminals peaks at √3 p ψ ω = Kt · ω.
     #[must_use]
     pub const fn flux_linkage_from(torque_constant_nm_per_a: f64, pole_pairs: f64) -> f64 {
-        torque_constant_nm_per_a / (1.732_050_807_568_877_2 * pole_pairs)
+        torque_constant_nm_per_a / (SQRT_3 * pole_pairs)
     }
 
     /// Torque that these currents make.
@@ -142,7 +142,14 @@ impl Pmsm {
     /// The currents into phases U, V and W.
     #[must_use]
     pub fn phase_currents_a(&self) -> [f64; 3] {
-        phases_of(Turn::by(self.angle.electrical_rad()).to_stator([self.current_d_a, self.current_q_a]))
+        phases_of(Direction::of(self.angle.electrical_rad()).to_stator([self.current_d_a, self.current_q_a]))
+    }
+
+    /// The voltage that the turning magnets induce between two terminals, amplitude.
+    #[must_use]
+    pub fn line_to_line_emf_v(&self) -> f64 {
+        let PmsmParameters { pole_pairs, flux_linkage_wb, .. } = self.parameters;
+        SQRT_3 * pole_pairs * flux_linkage_wb * libm::fabs(self.velocity_rad_s)
     }
 
     /// Average power taken from the power stage in the last step.
@@ -184,11 +191,11 @@ impl Pmsm {
         self.energy = self.energy.plus(self.step_energy, steps);
     }
 
-    /// Rates of change.
-    fn derivative(&self, state: State, connection: Connection, outside: Outside) -> State {
-        let [d, q, velocity, angle, ..] = state;
+    /// Rates of change, with the d axis pointing along `rotor`.
+    fn derivative(&self, state: State, rotor: Direction, connection: Connection, outside: Outside) -> State {
+        let [d, q, velocity, ..] = state;
         let slopes = CurrentSlopes::new(&self.parameters, [d, q], velocity);
-        let voltage = slopes.voltage(connection, Turn::by(angle));
+        let voltage = slopes.voltage(connection, rotor);
         let [slope_d, slope_q] = voltage.map_or([0.0; 2], |voltage| slopes.under(voltage));
         let torque = self.parameters.torque_nm(d, q);
         let friction_power = match outside.friction {

@@ -19,6 +19,7 @@ mod server;
 mod shared;
 mod tcp;
 
+pub use pacer::Advance;
 #[cfg(unix)]
 pub use pty::PtyError;
 pub use server::{ListenError, Server};

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use virtual_bench::Bench;
 
+use crate::pacer::Advance;
 use crate::shared::{Notice, Shared};
 use crate::tcp::Tcp;
 
@@ -41,10 +42,22 @@ impl Server {
     /// Starts pacing `bench` at `speed` times the wall clock. `notify` hears what a user may want to know; it is called
     /// from the server's threads.
     #[must_use]
-    pub fn start(mut bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
+    pub fn start(bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
+        Self::start_with(bench, speed, Box::new(Bench::advance_to), notify)
+    }
+
+    /// The same, with `advance` running the bench on: somebody who takes samples on the way. It is called with the bench
+    /// locked, and clients wait for it.
+    #[must_use]
+    pub fn start_with(
+        mut bench: Bench,
+        speed: f64,
+        advance: Advance,
+        notify: impl Fn(Notice) + Send + Sync + 'static,
+    ) -> Self {
         // A client that pauses within a datagram does so by the wall clock.
         bench.set_silence_ns((LINE_SILENCE.as_nanos() as f64 * speed) as u64);
-        let shared = Arc::new(Shared::new(bench, speed, Box::new(notify)));
+        let shared = Arc::new(Shared::new(bench, speed, advance, Box::new(notify)));
         let paced = Arc::clone(&shared);
         let pacer = std::thread::spawn(move || {
             while !paced.is_stopping() {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use virtual_bench::{Bench, ModuleId, PORTS, PortId};
 
-use crate::pacer::{CaughtUp, Paced};
+use crate::pacer::{Advance, CaughtUp, Paced};
 
 /// Something a user may want to hear about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,9 +33,14 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    pub(crate) fn new(bench: Bench, speed: f64, notify: Box<dyn Fn(Notice) + Send + Sync>) -> Self {
+    pub(crate) fn new(
+        bench: Bench,
+        speed: f64,
+        advance: Advance,
+        notify: Box<dyn Fn(Notice) + Send + Sync>,
+    ) -> Self {
         Self {
-            paced: Mutex::new(Paced::new(bench, speed, Instant::now())),
+            paced: Mutex::new(Paced::new(bench, speed, advance, Instant::now())),
             clients: Mutex::new([const { None }; PORTS]),
             stopping: AtomicBool::new(false),
             notify,

@@ -24,6 +24,8 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// Move a virtual motor and show what happens
+    Demo(Demo),
     /// Run a virtual module on TCP ports and pseudo terminals
     Serve(Serve),
     /// List the modules
@@ -45,6 +47,49 @@ pub(crate) enum Command {
     },
 }
 
+/// `tmcl demo`.
+#[derive(Args)]
+#[command(
+    after_help = "Moves the motor there and back in virtual time. On the default bench a load pulls at the shaft in \
+    between; with --bench the file's events happen instead."
+)]
+pub(crate) struct Demo {
+    /// The module
+    #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup)]
+    pub(crate) module: Option<module_name::VirtualModule>,
+    /// The bench the module stands on (docs/bench-file.md)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) bench: Option<PathBuf>,
+    /// How far to turn
+    #[arg(long, value_name = "TURNS", default_value = "0.5", allow_negative_numbers = true, value_parser = turns)]
+    pub(crate) turns: f64,
+    /// How fast
+    #[arg(long, value_name = "RPM", default_value = "60", value_parser = rpm)]
+    pub(crate) rpm: f64,
+    #[command(flatten)]
+    pub(crate) recording: Recording,
+    /// Print JSON instead of the table and the plot
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What is recorded of a run.
+#[derive(Args)]
+pub(crate) struct Recording {
+    /// Write a sample every so often to a CSV file
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) trace: Option<PathBuf>,
+    /// Draw position, velocity, load and coil currents as an SVG file
+    #[arg(long, value_name = "FILE.svg")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Time between samples: 500us, 1ms, 0.5s
+    #[arg(long, value_name = "TIME", value_parser = interval)]
+    pub(crate) every: Option<u64>,
+    /// Record this too, such as supply_voltage or output.3; may be given several times
+    #[arg(long, value_name = "NAME")]
+    pub(crate) column: Vec<String>,
+}
+
 /// `tmcl serve`.
 #[derive(Args)]
 #[command(
@@ -52,9 +97,12 @@ pub(crate) enum Command {
     holds one, each TCP client holds one while it stays. SIGINT and SIGTERM end it."
 )]
 pub(crate) struct Serve {
-    /// The module, and its serial address where it is not to be 1
-    #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup)]
-    pub(crate) module: module_name::VirtualModule,
+    /// The module, and its serial address where it is not to be 1; may be left out with --bench
+    #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup, required_unless_present = "bench")]
+    pub(crate) module: Option<module_name::VirtualModule>,
+    /// The bench the module stands on (docs/bench-file.md); of several modules the first is at the ports
+    #[arg(long, value_name = "FILE")]
+    pub(crate) bench: Option<PathBuf>,
     /// Listen here; port 0 picks a free one, no host means 127.0.0.1; may be given several times
     #[arg(long, value_name = "HOST:PORT", value_parser = tcp_address)]
     pub(crate) tcp: Vec<String>,
@@ -64,6 +112,8 @@ pub(crate) struct Serve {
     /// How fast virtual time runs, 1 being real time
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
     pub(crate) speed: f64,
+    #[command(flatten)]
+    pub(crate) recording: Recording,
 }
 
 /// `tmcl modules`.
@@ -117,6 +167,37 @@ fn tcp_address(text: &str) -> Result<String, String> {
     match port.parse::<u16>() {
         Ok(port) if !host.is_empty() => Ok(format!("{host}:{port}")),
         _ => Err("a host and a port from 0 to 65535 are expected, such as 127.0.0.1:5311".to_owned()),
+    }
+}
+
+fn turns(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(turns) if turns.is_finite() && turns.abs() <= 10_000.0 => Ok(turns),
+        _ => Err("a number of turns from -10000 to 10000 is expected".to_owned()),
+    }
+}
+
+fn rpm(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rpm) if rpm > 0.0 && rpm <= 10_000.0 => Ok(rpm),
+        _ => Err("a velocity above 0 and up to 10000 rpm is expected".to_owned()),
+    }
+}
+
+/// A time between samples in nanoseconds: at least a control period.
+fn interval(text: &str) -> Result<u64, String> {
+    const EXPECTED: &str = "a time from 50us to 1h is expected, such as 500us, 1ms or 0.5s";
+    let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+    let scale = match &text[number.len()..] {
+        "us" => 1e3,
+        "ms" => 1e6,
+        "s" => 1e9,
+        "h" => 3.6e12,
+        _ => return Err(EXPECTED.to_owned()),
+    };
+    match number.parse::<f64>() {
+        Ok(number) if (50_000.0..=3.6e12).contains(&(number * scale)) => Ok((number * scale) as u64),
+        _ => Err(EXPECTED.to_owned()),
     }
 }
 

@@ -9,6 +9,8 @@ pub(crate) enum Code {
     Usage = 2,
     /// A port, or a module behind it, cannot be reached.
     Connection = 3,
+    /// The module answered with an error status, or not at all.
+    TmclStatus = 4,
 }
 
 /// Why a command did not do what it was asked to.

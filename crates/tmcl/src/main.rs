@@ -8,12 +8,13 @@
 )]
 
 mod arguments;
+mod bench_file;
 mod commands;
 mod exit;
 mod module_name;
-#[cfg(test)]
 mod plot;
 mod print;
+mod recording;
 
 use std::process::ExitCode;
 
@@ -23,6 +24,7 @@ use crate::arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        Command::Demo(options) => commands::demo::run(&options),
         Command::Serve(options) => commands::serve::run(&options),
         Command::Modules(options) => commands::modules::run(&options),
         Command::Params(options) => commands::params::run(&options),

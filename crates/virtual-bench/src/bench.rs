@@ -84,6 +84,12 @@ impl Bench {
         (0..self.slots.len()).map(ModuleId)
     }
 
+    /// What a module is called.
+    #[must_use]
+    pub fn name(&self, module: ModuleId) -> Option<&str> {
+        self.slots.get(module.0).map(|slot| slot.name.as_str())
+    }
+
     /// The tables of a module.
     #[must_use]
     pub fn spec(&self, module: ModuleId) -> Option<&'static ModuleSpec> {

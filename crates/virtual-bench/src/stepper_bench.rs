@@ -20,6 +20,7 @@ use motor_physics::supply::Supply;
 use motor_physics::switch::LimitSwitch;
 
 use crate::TICK_NS;
+use crate::config::Coil;
 use crate::hardware::{Hardware, Physical};
 
 /// A control period in seconds.
@@ -62,7 +63,8 @@ pub(crate) struct StepperBench {
 struct SurroundingsState {
     ambient_c: f64,
     board_temperature_c: Option<f64>,
-    coil_faults: [CoilFault; 2],
+    open_coil: Option<Coil>,
+    shorted_coil: Option<Coil>,
     /// IN_0 to IN_7.
     inputs: u8,
     /// AIN_0 and AIN_4.
@@ -134,20 +136,30 @@ impl StepperBench {
             resistance_ohm: parameters.resistance_ohm,
             inductance_h: parameters.inductance_h,
             temperature_c: self.board_temperature_c(),
-            coil_faults: self.surroundings.coil_faults,
+            coil_faults: [self.coil_fault(Coil::A), self.coil_fault(Coil::B)],
         }
     }
 
     /// A coil whose wire is off is driven by nothing, whatever the chip does.
     fn interrupted(&self, terminals: [Terminal; 2]) -> [Terminal; 2] {
-        let [fault_a, fault_b] = self.surroundings.coil_faults;
         let [a, b] = terminals;
         let bus_voltage_v = self.supply.bus_voltage_v();
-        let through = |fault, terminal| match fault {
+        let through = |coil, terminal| match self.coil_fault(coil) {
             CoilFault::Open => Terminal::Floating { bus_voltage_v },
             CoilFault::None | CoilFault::ShortToGround => terminal,
         };
-        [through(fault_a, a), through(fault_b, b)]
+        [through(Coil::A, a), through(Coil::B, b)]
+    }
+
+    /// A coil that is both open and shorted carries nothing: it is open.
+    fn coil_fault(&self, coil: Coil) -> CoilFault {
+        if self.surroundings.open_coil == Some(coil) {
+            CoilFault::Open
+        } else if self.surroundings.shorted_coil == Some(coil) {
+            CoilFault::ShortToGround
+        } else {
+            CoilFault::None
+        }
     }
 
     /// Brings the temperatures up to date where it is time to.

@@ -100,10 +100,11 @@ impl Trace {
         text
     }
 
-    /// Forgets the samples taken so far, which somebody has written down.
-    pub fn clear(&mut self) {
-        self.times_ns.clear();
-        self.values.clear();
+    /// Forgets all samples but the last `samples`.
+    pub fn keep_last(&mut self, samples: usize) {
+        let surplus = self.times_ns.len().saturating_sub(samples);
+        self.times_ns.drain(..surplus);
+        self.values.drain(..surplus * self.columns.len());
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::PmsmParameters;
 use super::bridge::{Connection, axis};
-use super::frame::{Turn, dot};
+use super::frame::dot;
+use crate::angle::Direction;
 
 /// Everything about the rates of change of (id, iq) but the voltage.
 pub(super) struct CurrentSlopes {
@@ -35,13 +36,13 @@ impl CurrentSlopes {
     }
 
     /// The voltage that a connection puts on the motor, in the rotor's frame; `None` if it carries nothing.
-    pub(super) fn voltage(&self, connection: Connection, turn: Turn) -> Option<[f64; 2]> {
+    pub(super) fn voltage(&self, connection: Connection, rotor: Direction) -> Option<[f64; 2]> {
         match connection {
-            Connection::Closed(voltage) => Some(turn.to_rotor(voltage)),
+            Connection::Closed(voltage) => Some(rotor.to_rotor(voltage)),
             Connection::OpenPhase(phase, voltage) => {
-                let open = self.open_phase_v(phase, voltage, turn);
-                let [along_d, along_q] = turn.to_rotor(axis(phase));
-                let [voltage_d, voltage_q] = turn.to_rotor(voltage);
+                let open = self.open_phase_v(phase, voltage, rotor);
+                let [along_d, along_q] = rotor.to_rotor(axis(phase));
+                let [voltage_d, voltage_q] = rotor.to_rotor(voltage);
                 Some([voltage_d + open * along_d, voltage_q + open * along_q])
             }
             Connection::Open => None,
@@ -49,9 +50,9 @@ impl CurrentSlopes {
     }
 
     /// The voltage between an open phase's terminal and the star point: that which leaves its current at zero.
-    pub(super) fn open_phase_v(&self, phase: usize, voltage: [f64; 2], turn: Turn) -> f64 {
-        let along = turn.to_rotor(axis(phase));
-        let [slope_d, slope_q] = self.under(turn.to_rotor(voltage));
+    pub(super) fn open_phase_v(&self, phase: usize, voltage: [f64; 2], rotor: Direction) -> f64 {
+        let along = rotor.to_rotor(axis(phase));
+        let [slope_d, slope_q] = self.under(rotor.to_rotor(voltage));
         let [turning_d, turning_q] = self.turning_a_per_s;
         let [inductance_d, inductance_q] = self.inductances_h;
         let [along_d, along_q] = along;

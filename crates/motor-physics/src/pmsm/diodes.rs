@@ -5,8 +5,9 @@
 
 use super::bridge::{Connection, Rails, axis, connection};
 use super::currents::CurrentSlopes;
-use super::frame::{Turn, dot, phases_of};
+use super::frame::{dot, phases_of};
 use super::{CURRENT_RESOLUTION_A, Pmsm, State};
+use crate::angle::Direction;
 
 /// A terminal that is further than this beyond a rail conducts.
 const RESOLUTION_V: f64 = 1e-9;
@@ -34,7 +35,7 @@ impl Pmsm {
         let [d, q] = match connection(self.rails, 0.0) {
             Connection::Closed(_) => [d, q],
             Connection::OpenPhase(phase, _) => {
-                let along = Turn::by(angle).to_rotor(axis(phase));
+                let along = Direction::of(angle).to_rotor(axis(phase));
                 let residue = dot([d, q], along);
                 let [along_d, along_q] = along;
                 [d - residue * along_d, q - residue * along_q]
@@ -48,22 +49,22 @@ impl Pmsm {
     fn conducting_from(&self, rails: Rails, state: State, bus_voltage_v: f64) -> Rails {
         let [d, q, velocity, angle, ..] = state;
         let slopes = CurrentSlopes::new(&self.parameters, [d, q], velocity);
-        let turn = Turn::by(angle);
+        let rotor = Direction::of(angle);
         match connection(rails, bus_voltage_v) {
             Connection::Closed(_) => rails,
             Connection::OpenPhase(phase, voltage) => {
                 // The star point is where the three terminals' voltages average, and the other two are at opposite rails.
-                let terminal_v = 1.5 * slopes.open_phase_v(phase, voltage, turn);
+                let terminal_v = 1.5 * slopes.open_phase_v(phase, voltage, rotor);
                 let rail_v = 0.5 * bus_voltage_v + RESOLUTION_V;
                 with_rail(rails, phase, i8::from(terminal_v > rail_v) - i8::from(terminal_v < -rail_v))
             }
-            Connection::Open => rectifying(phases_of(turn.to_stator(slopes.opposing_v())), bus_voltage_v),
+            Connection::Open => rectifying(phases_of(rotor.to_stator(slopes.opposing_v())), bus_voltage_v),
         }
     }
 }
 
 fn phase_currents([d, q, _, angle, ..]: State) -> [f64; 3] {
-    phases_of(Turn::by(angle).to_stator([d, q]))
+    phases_of(Direction::of(angle).to_stator([d, q]))
 }
 
 /// The rail through whose diode a current flows.

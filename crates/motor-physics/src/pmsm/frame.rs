@@ -2,7 +2,10 @@
 //!
 //! Vectors are as long as the phases' amplitude; α points along phase U's axis.
 
-const SQRT_3: f64 = 1.732_050_807_568_877_2;
+use crate::angle::Direction;
+
+/// √3: between two terminals there is so much more than in a phase.
+pub(super) const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// The axes of phases U, V and W.
 pub(super) const AXES: [[f64; 2]; 3] = [[1.0, 0.0], [-0.5, 0.5 * SQRT_3], [-0.5, -0.5 * SQRT_3]];
@@ -17,19 +20,8 @@ pub(super) fn phases_of(vector: [f64; 2]) -> [f64; 3] {
     AXES.map(|axis| dot(vector, axis))
 }
 
-/// The angle's sine and cosine, by which vectors turn.
-#[derive(Clone, Copy)]
-pub(super) struct Turn {
-    sine: f64,
-    cosine: f64,
-}
-
-impl Turn {
-    pub(super) fn by(angle_rad: f64) -> Self {
-        let (sine, cosine) = libm::sincos(angle_rad);
-        Self { sine, cosine }
-    }
-
+/// As the direction of the rotor's d axis.
+impl Direction {
     /// A vector of the stationary plane, seen from the rotor.
     pub(super) fn to_rotor(self, [alpha, beta]: [f64; 2]) -> [f64; 2] {
         [alpha * self.cosine + beta * self.sine, beta * self.cosine - alpha * self.sine]
@@ -62,10 +54,10 @@ mod tests {
     fn what_turns_with_the_rotor_stands_still_in_its_frame() {
         for angle_rad in [0.0, 1.0, 4.0] {
             let [d, q] =
-                Turn::by(angle_rad).to_rotor([2.0 * libm::cos(angle_rad), 2.0 * libm::sin(angle_rad)]);
+                Direction::of(angle_rad).to_rotor([2.0 * libm::cos(angle_rad), 2.0 * libm::sin(angle_rad)]);
             assert!((d - 2.0).abs() < 1e-12 && q.abs() < 1e-12);
-            let [alpha, beta] = Turn::by(angle_rad).to_stator([0.5, -0.5]);
-            let [d, q] = Turn::by(angle_rad).to_rotor([alpha, beta]);
+            let [alpha, beta] = Direction::of(angle_rad).to_stator([0.5, -0.5]);
+            let [d, q] = Direction::of(angle_rad).to_rotor([alpha, beta]);
             assert!((d - 0.5).abs() < 1e-12 && (q + 0.5).abs() < 1e-12);
         }
     }

@@ -6,6 +6,7 @@
 
 use super::bridge::Connection;
 use super::{Bridge, Outside, Pmsm, State, shaft};
+use crate::angle::Direction;
 use crate::rk4;
 
 /// Parts of a step at most; what is left then is integrated in one go.
@@ -24,8 +25,9 @@ impl Pmsm {
     /// The state after `dt_s`.
     pub(super) fn stepped(&mut self, start: State, bridge: Bridge, load_torque_nm: f64, dt_s: f64) -> State {
         let longest_s = match bridge {
-            Bridge::Driven { .. } => dt_s,
-            Bridge::Floating { .. } => 0.25 * dt_s, // a rectifier's pulse may begin and end within a step
+            // A rectifier's pulse may begin and end within a step.
+            Bridge::Floating { bus_voltage_v } if self.line_to_line_emf_v() > bus_voltage_v => 0.25 * dt_s,
+            _ => dt_s,
         };
         let (mut state, mut left_s) = (start, dt_s);
         for _ in 0..MAX_PARTS {
@@ -107,6 +109,11 @@ impl Pmsm {
     }
 
     fn integrated(&self, start: State, Regime { connection, outside }: Regime, dt_s: f64) -> State {
-        rk4::step(start, dt_s, |state| self.derivative(state, connection, outside))
+        let [_, _, _, start_rad, ..] = start;
+        let direction = Direction::of(start_rad);
+        rk4::step(start, dt_s, |state| {
+            let [_, _, _, angle_rad, ..] = state;
+            self.derivative(state, direction.turned(angle_rad - start_rad), connection, outside)
+        })
     }
 }

@@ -3,6 +3,7 @@
 #[expect(clippy::module_inception, reason = "the command is called `commands`")]
 pub(crate) mod commands;
 pub(crate) mod completions;
+pub(crate) mod demo;
 pub(crate) mod man;
 pub(crate) mod modules;
 pub(crate) mod params;

@@ -1,32 +1,64 @@
 //! `tmcl serve`: a virtual module on ports.
 
-use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::mpsc::channel;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use tmcl_server::{Notice, Server};
+use tmcl_server::{Advance, Notice, Server};
 use tmcl_tables::GlobalParameter;
 use virtual_bench::{Bench, BenchConfig, PORTS};
 
 use crate::arguments::Serve;
+use crate::bench_file;
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
+use crate::recording::Recorder;
 
 /// Where it listens when nothing is said.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5311";
 
+/// Time between samples of a trace when nothing is said.
+const SAMPLE_NS: u64 = 10_000_000;
+
 /// Serves until a signal ends it.
 pub(crate) fn run(options: &Serve) -> Outcome {
     check_ports(options)?;
+    let config = bench_file::load(options.module, options.bench.as_deref())?;
+    let client = Client::of(&config);
+    let bench = Bench::new(&config);
+    let recording = &options.recording;
+    let recorder = match (&recording.trace, &recording.plot) {
+        (None, None) => None,
+        _ => Some(Arc::new(Mutex::new(Recorder::new(&bench, recording, SAMPLE_NS)?))),
+    };
     let (stop, stopped) = channel();
     ctrlc::set_handler(move || {
         // A second signal finds nobody waiting, and that is fine.
         let _ = stop.send(());
     })
     .map_err(|error| Failure::new(Code::Connection, format!("cannot wait for signals: {error}")))?;
-    let mut config = BenchConfig::default_for(options.module.kind);
-    config.modules[0].address = options.module.address;
-    let mut server = Server::start(Bench::new(&config), options.speed, say);
+    let mut server = Server::start_with(bench, options.speed, advance(recorder.clone()), say);
+    listen(&mut server, options, &client)?;
+    // An error would mean that the handler is gone, and with it the only way to be told.
+    let _ = stopped.recv();
+    drop(server);
+    if let Some(recorder) = recorder {
+        recorder.lock().unwrap_or_else(PoisonError::into_inner).finish(recording, client.name)?;
+    }
+    Ok(())
+}
+
+/// How the bench is run on: plainly, or with the recorder looking on.
+fn advance(recorder: Option<Arc<Mutex<Recorder>>>) -> Advance {
+    match recorder {
+        None => Box::new(Bench::advance_to),
+        Some(recorder) => Box::new(move |bench, time_ns| {
+            recorder.lock().unwrap_or_else(PoisonError::into_inner).advance_to(bench, time_ns);
+        }),
+    }
+}
+
+fn listen(server: &mut Server, options: &Serve, client: &Client) -> Outcome {
     let default = [DEFAULT_ADDRESS.to_owned()];
     let addresses =
         if options.tcp.is_empty() && options.pty.is_empty() { &default[..] } else { &options.tcp };
@@ -34,15 +66,13 @@ pub(crate) fn run(options: &Serve) -> Outcome {
         let address =
             server.listen_tcp(address).map_err(|error| Failure::new(Code::Connection, error.to_string()))?;
         print::text(&format!("listening tcp {address}\n"))?;
-        advise_tcp(options, address);
+        client.advise("socket_serial_tmcl", &address.to_string());
     }
     for path in &options.pty {
-        listen_pty(&mut server, path)?;
+        listen_pty(server, path)?;
         print::text(&format!("listening pty {}\n", path.display()))?;
-        advise_pty(options, path);
+        client.advise("serial_tmcl", &path.display().to_string());
     }
-    // An error would mean that the handler is gone, and with it the only way to be told.
-    let _ = stopped.recv();
     Ok(())
 }
 
@@ -67,29 +97,36 @@ fn listen_pty(_server: &mut Server, _path: &Path) -> Result<(), Failure> {
     Err(Failure::new(Code::Usage, "this system has no pseudo terminals; use --tcp"))
 }
 
-/// What to type to drive the module with PyTrinamic.
-fn advise(options: &Serve, interface: &str, port: &str) {
-    let spec = options.module.kind.spec();
-    let (bank, number) = GlobalParameter::SerialAddress.address();
-    let default = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
-    let address = options.module.address.map_or(default, i64::from);
-    let class = spec.name.replace('-', "");
-    let module_id = if address == 1 { String::new() } else { format!(" --module-id {address}") };
-    anstream::eprintln!(
-        "\nPyTrinamic (pip install pytrinamic):\n\n    from pytrinamic.connections import ConnectionManager\n    \
-         from pytrinamic.modules import {class}\n    \
-         connection = ConnectionManager(\"--interface {interface} --port {port}{module_id}\").connect()\n    \
-         motor = {class}(connection{}).motors[0]\n    motor.move_to(51200)\n",
-        if address == 1 { String::new() } else { format!(", {address}") },
-    );
+/// What a client has to know of the module at the ports.
+struct Client {
+    name: &'static str,
+    address: i64,
 }
 
-fn advise_tcp(options: &Serve, address: SocketAddr) {
-    advise(options, "socket_serial_tmcl", &address.to_string());
-}
+impl Client {
+    fn of(config: &BenchConfig) -> Self {
+        let first = config.modules.first();
+        let spec = first.map_or(&tmcl_tables::tmcm_1311::SPEC, |module| module.kind.spec());
+        let (bank, number) = GlobalParameter::SerialAddress.address();
+        let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
+        let address = first.and_then(|module| module.address).map_or(factory, i64::from);
+        Self { name: spec.name, address }
+    }
 
-fn advise_pty(options: &Serve, path: &Path) {
-    advise(options, "serial_tmcl", &path.display().to_string());
+    /// What to type to drive the module with PyTrinamic.
+    fn advise(&self, interface: &str, port: &str) {
+        let class = self.name.replace('-', "");
+        let (option, argument) = match self.address {
+            1 => (String::new(), String::new()),
+            address => (format!(" --module-id {address}"), format!(", {address}")),
+        };
+        anstream::eprintln!(
+            "\nPyTrinamic (pip install pytrinamic):\n\n    from pytrinamic.connections import ConnectionManager\n    \
+             from pytrinamic.modules import {class}\n    \
+             connection = ConnectionManager(\"--interface {interface} --port {port}{option}\").connect()\n    \
+             motor = {class}(connection{argument}).motors[0]\n    motor.move_to(51200)\n"
+        );
+    }
 }
 
 fn say(notice: Notice) {

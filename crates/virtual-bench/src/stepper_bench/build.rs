@@ -1,6 +1,6 @@
 //! A stepper module's hardware as the bench file describes it.
 
-use driver_chips::tmc262::{Board, CoilFault, Tmc262};
+use driver_chips::tmc262::{Board, Tmc262};
 use module_firmware::tmcm_1311::Sensed;
 use motor_physics::encoder::{Encoder, EncoderConfig, EncoderFault};
 use motor_physics::heat::{HeatParameters, HeatedBody};
@@ -51,7 +51,8 @@ fn surroundings(config: &ModuleConfig) -> SurroundingsState {
     SurroundingsState {
         ambient_c: config.temperature_c,
         board_temperature_c: None,
-        coil_faults: [CoilFault::None; 2],
+        open_coil: None,
+        shorted_coil: None,
         inputs: digital.fold(0, |inputs, (number, _)| inputs | (1 << number)),
         analog_inputs: [analog(0), analog(4)],
     }

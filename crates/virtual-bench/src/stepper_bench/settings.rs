@@ -1,12 +1,11 @@
 //! What can be changed about a stepper module's surroundings while it runs.
 
-use driver_chips::tmc262::CoilFault;
 use motor_physics::encoder::EncoderFault;
 use motor_physics::load::LoadTorque;
 use motor_physics::switch::SwitchFault;
 
 use super::StepperBench;
-use crate::config::{Coil, Contact, EncoderLine, Setting, SwitchName};
+use crate::config::{Contact, EncoderLine, Setting, SwitchName};
 use crate::module::Surroundings;
 
 /// Full steps in an electrical period.
@@ -36,8 +35,8 @@ impl Surroundings for StepperBench {
             Setting::SupplyVoltageV(voltage_v) => self.supply.parameters.voltage_v = voltage_v,
             Setting::AmbientC(ambient_c) => state.ambient_c = ambient_c,
             Setting::EncoderLine(line) => self.encoder.fault = encoder_fault(line, self.encoder_has_index),
-            Setting::CoilOpen(coil) => state.coil_faults = coil_faults(coil, CoilFault::Open),
-            Setting::CoilShort(coil) => state.coil_faults = coil_faults(coil, CoilFault::ShortToGround),
+            Setting::CoilOpen(coil) => state.open_coil = coil,
+            Setting::CoilShort(coil) => state.shorted_coil = coil,
             Setting::SwitchContact { switch, stuck } => self.stick(switch, stuck),
             Setting::BoardTemperatureC(board_temperature_c) => state.board_temperature_c = board_temperature_c,
             Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
@@ -78,13 +77,5 @@ fn encoder_fault(line: Option<EncoderLine>, has_index: bool) -> EncoderFault {
         Some(EncoderLine::A) => EncoderFault::LineA,
         Some(EncoderLine::B) => EncoderFault::LineB,
         None | Some(EncoderLine::Index) => EncoderFault::Index,
-    }
-}
-
-fn coil_faults(coil: Option<Coil>, fault: CoilFault) -> [CoilFault; 2] {
-    match coil {
-        None => [CoilFault::None; 2],
-        Some(Coil::A) => [fault, CoilFault::None],
-        Some(Coil::B) => [CoilFault::None, fault],
     }
 }

@@ -5,7 +5,8 @@ use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::serial::{self, DATAGRAM_LENGTH};
 use tmcl_wire::{Reply, Request};
-use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId, TICK_NS};
+use virtual_bench::config::{SettingValue, parse_setting};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, Physical, PortId, TICK_NS, config};
 
 /// The bank of the user variables (§10.3).
 pub(crate) const VARIABLES: u8 = 2;
@@ -16,12 +17,16 @@ pub(crate) const EEPROM: u8 = 255;
 /// Control periods in a millisecond.
 pub(crate) const TICKS_PER_MS: u64 = 1_000_000 / TICK_NS;
 
+/// µsteps in a turn at 256 µsteps per full step.
+pub(crate) const TURN: i32 = 51_200;
+
 const MODULE: ModuleId = ModuleId(0);
 
 /// A module, and where the host believes it and itself to be.
 #[derive(Clone, Debug)]
 pub(crate) struct Module {
     pub(crate) bench: Bench,
+    config: BenchConfig,
     pub(crate) port: PortId,
     pub(crate) address: u8,
     pub(crate) host: u8,
@@ -30,8 +35,17 @@ pub(crate) struct Module {
 impl Module {
     /// A module as delivered: address 1, host 2 (decisions 2a.20).
     pub(crate) fn new() -> Self {
-        let bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
-        Self { bench, port: PortId::ALL[0], address: 1, host: 2 }
+        Self::with(BenchConfig::default_for(ModuleKind::Tmcm1311))
+    }
+
+    /// The first module of the bench that a bench file describes.
+    #[track_caller]
+    pub(crate) fn on(bench_file: &str) -> Self {
+        Self::with(config::parse(bench_file).expect("a valid bench file"))
+    }
+
+    fn with(config: BenchConfig) -> Self {
+        Self { bench: Bench::new(&config), config, port: PortId::ALL[0], address: 1, host: 2 }
     }
 
     /// Bytes to the module, and what comes back in no virtual time.
@@ -148,7 +162,39 @@ impl Module {
 
     /// How far the rotor really turned.
     pub(crate) fn turns(&self) -> f64 {
-        self.bench.physical(MODULE).rotor_turns
+        self.physical().rotor_turns
+    }
+
+    /// The truth about the shaft.
+    pub(crate) fn physical(&self) -> Physical {
+        self.bench.physical(MODULE)
+    }
+
+    /// Changes something about the surroundings, by the name that a bench file's events call it.
+    #[track_caller]
+    pub(crate) fn set<'a>(&mut self, name: &str, value: impl Into<SettingValue<'a>>) {
+        let settings = parse_setting(&self.config, name, value.into()).expect("a setting of this bench");
+        for (module, setting) in settings {
+            self.bench.apply(ModuleId(module), setting);
+        }
+    }
+
+    /// What a trace's column of this name would say.
+    #[track_caller]
+    pub(crate) fn read(&self, name: &str) -> f64 {
+        self.bench.read(self.bench.probe(name).expect("a quantity of this bench"))
+    }
+
+    /// Runs until AP 8 is set.
+    #[track_caller]
+    pub(crate) fn arrive(&mut self) {
+        for _ in 0..600_000 {
+            if self.read("position_reached") == 1.0 {
+                return;
+            }
+            self.run_ticks(1);
+        }
+        panic!("the target is never reached; the position is {}", self.gap(AxisParameter::ActualPosition));
     }
 
     #[track_caller]
