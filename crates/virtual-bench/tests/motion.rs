@@ -12,6 +12,10 @@ const TURN: i32 = 51_200;
 
 const TICKS_PER_S: i64 = 20_000;
 
+/// How far a rotor without load may be from its field, in turns: a quarter of a full step, for detent torque and for what
+/// still swings after a step.
+const SLACK: f64 = 1.0 / 800.0;
+
 fn move_to(module: &mut Module, position: i32) {
     module.ok(Command::MoveToPosition, 0, 0, position);
 }
@@ -29,14 +33,21 @@ fn finish(module: &mut Module) -> u64 {
 }
 
 /// Reported, sensed and real positions agree: AP 1, AP 209 at 40 000 counts a turn, and the rotor's turns since `zero`.
-/// The rotor follows the field at the end of the tick; the encoder is read at its beginning, in whole counts.
 #[track_caller]
 fn assert_agree(module: &mut Module, zero: f64) {
     let turns = module.turns() - zero;
     let reported = f64::from(module.gap(Ap::ActualPosition)) / f64::from(TURN);
     let sensed = f64::from(module.gap(Ap::EncoderCounter)) / 40_000.0;
-    assert!((reported - turns).abs() < 2.0 / 51_200.0, "AP 1 says {reported} turns, truth is {turns}");
+    assert!((reported - turns).abs() < SLACK, "AP 1 says {reported} turns, truth is {turns}");
+    // Whole counts, read at the beginning of a control period at whose end the rotor is two counts on at a turn a second.
     assert!((sensed - turns).abs() < 4.0 / 40_000.0, "AP 209 says {sensed} turns, truth is {turns}");
+}
+
+/// The rotor has turned by `turns` since `zero`.
+#[track_caller]
+fn assert_turned(module: &Module, zero: f64, turns: f64) {
+    let turned = module.turns() - zero;
+    assert!((turned - turns).abs() < SLACK, "{turned} turns, not {turns}");
 }
 
 /// Runs to the end of a move and checks at every tick that neither limit is exceeded, that the position never goes back
@@ -128,8 +139,7 @@ mod one_turn_in_two_seconds {
             module.run_ms(1);
             assert_agree(&mut module, zero);
         }
-        assert!((module.turns() - zero - 1.0).abs() < 1e-4);
-        assert!((module.gap(Ap::EncoderCounter) - 40_000).abs() <= 2);
+        assert_turned(&module, zero, 1.0);
         move_to(&mut module, 0);
         finish(&mut module);
         module.run_ms(1);
@@ -217,7 +227,7 @@ mod rotation {
             module.run_ms(10_000);
             let moved = module.gap(Ap::ActualPosition) - position;
             assert!((moved - sign * 256_000).abs() <= 1, "{moved} µsteps in 10 s");
-            assert!((module.turns() - turns - f64::from(sign) * 5.0).abs() < 1e-4);
+            assert_turned(&module, turns, f64::from(sign) * 5.0);
             assert_agree(&mut module, zero);
         }
     }
@@ -392,7 +402,8 @@ mod relative_moves {
     /// AP 127: 0 the last target, 1 (the default) the ramp generator's position, 2 the encoder's (decisions 2a.3).
     #[test]
     fn count_from_what_axis_parameter_127_selects() {
-        for (option, base) in [(0, 100_000), (1, 25_600), (2, 25_600)] {
+        for (option, base, slack) in [(0, 100_000, 0), (1, 25_600, 0), (2, 25_600, (SLACK * 51_200.0) as i32)]
+        {
             let mut module = Module::new();
             move_to(&mut module, 100_000);
             while module.gap(Ap::ActualPosition) < 25_600 {
@@ -402,8 +413,8 @@ mod relative_moves {
             let position = module.gap(Ap::ActualPosition);
             module.ok(Command::MoveToPosition, 1, 0, 1000);
             let target = module.gap(Ap::TargetPosition);
-            let slack = if option == 0 { 0 } else { position - 25_600 + 4 };
-            assert!((target - base - 1000).abs() <= slack, "AP 127 = {option}: {target}");
+            let past = if option == 0 { 0 } else { position - 25_600 };
+            assert!((target - base - past - 1000).abs() <= slack, "AP 127 = {option}: {target}");
             finish(&mut module);
             assert_eq!(module.gap(Ap::ActualPosition), target);
         }
@@ -433,12 +444,12 @@ mod relative_moves {
         finish(&mut module);
         module.run_ms(1);
         assert_eq!(module.gap(Ap::ActualPosition), target);
-        assert!((module.turns() - zero - 1.0).abs() < 1e-4, "{} turns", module.turns() - zero);
+        assert_turned(&module, zero, 1.0);
         // And back, absolutely (§5.7.4).
         move_to(&mut module, i32::MAX - 100);
         finish(&mut module);
         module.run_ms(1);
-        assert!((module.turns() - zero).abs() < 1e-4);
+        assert_turned(&module, zero, 0.0);
     }
 }
 
@@ -452,15 +463,17 @@ mod setting_the_position {
         move_to(&mut module, 1000);
         finish(&mut module);
         module.run_ms(10);
-        let (turns, counts) = (module.turns(), module.gap(Ap::EncoderCounter));
+        let mut plain = module.clone();
         for position in [0, -123_456, i32::MAX, i32::MIN, 77] {
             module.sap(Ap::ActualPosition, position);
             assert_eq!(module.gap(Ap::ActualPosition), position);
             assert_eq!(module.gap(Ap::TargetPosition), position);
             assert_eq!(module.gap(Ap::PositionReached), 1);
             module.run_ms(100);
+            plain.run_ms(100);
             assert_eq!(module.gap(Ap::ActualPosition), position);
-            assert_eq!(module.turns(), turns);
+            assert_eq!(module.turns(), plain.turns());
+            let counts = plain.gap(Ap::EncoderCounter);
             assert_eq!(module.gap(Ap::EncoderCounter), counts, "independent in open loop");
         }
     }
@@ -500,53 +513,49 @@ mod setting_the_position {
     /// The encoder's counter is a thing of its own in open loop.
     #[test]
     fn of_the_encoder_does_not_touch_the_motor() {
-        let mut module = Module::new();
-        move_to(&mut module, TURN / 2);
-        finish(&mut module);
-        module.run_ms(1);
-        let turns = module.turns();
+        let mut plain = Module::new();
+        move_to(&mut plain, TURN / 2);
+        finish(&mut plain);
+        let mut module = plain.clone();
         module.sap(Ap::EncoderCounter, 1000);
         assert_eq!(module.gap(Ap::EncoderCounter), 1000);
         assert_eq!(module.gap(Ap::ActualPosition), TURN / 2);
-        module.run_ms(100);
-        assert_eq!(module.turns(), turns);
-        assert_eq!(module.gap(Ap::EncoderCounter), 1000);
-        move_to(&mut module, TURN);
-        finish(&mut module);
-        module.run_ms(1);
-        assert!((module.gap(Ap::EncoderCounter) - 21_000).abs() <= 2, "half a turn on");
+        let shift = plain.gap(Ap::EncoderCounter) - 1000;
+        for module in [&mut plain, &mut module] {
+            move_to(module, TURN);
+            finish(module);
+        }
+        assert_eq!(module.turns(), plain.turns());
+        assert_eq!(module.gap(Ap::EncoderCounter), plain.gap(Ap::EncoderCounter) - shift);
     }
 }
 
-/// 200 full steps are a turn, in however many µsteps they are taken (axis parameter 140, §6.1).
+/// 200 full steps are a turn, in however many µsteps they are taken (axis parameter 140, §6.1): 20 of them a second, so
+/// that what whole steps set swinging comes to rest.
 #[test]
 fn the_microstep_resolution_scales_positions_and_velocities() {
     for resolution in 0..=8 {
         let mut module = Module::new();
         let turn = 200 << resolution;
         module.sap(Ap::MicrostepResolution, resolution);
-        module.sap(Ap::MaxVelocity, turn);
-        module.sap(Ap::MaxAcceleration, turn);
+        module.sap(Ap::MaxVelocity, turn / 10);
+        module.sap(Ap::MaxAcceleration, turn / 10);
         module.run_ms(1);
         let zero = module.turns();
         move_to(&mut module, turn);
-        let ticks = finish(&mut module);
-        module.run_ms(1);
-        assert!(
-            (module.turns() - zero - 1.0).abs() < 1e-4,
-            "AP 140 = {resolution}: {}",
-            module.turns() - zero
-        );
-        // With full steps the last of them is a two-hundredth of the turn, and takes its time.
-        let seconds = ticks as f64 / 20_000.0;
-        let tolerance = 0.001 + (2.0 / f64::from(turn)).sqrt();
-        assert!((seconds - 2.0).abs() < tolerance, "AP 140 = {resolution}: {seconds} s");
-        module.ok(Command::RotateLeft, 0, 0, turn / 4);
+        let seconds = finish(&mut module) as f64 / 20_000.0;
+        module.run_ms(500);
+        assert_turned(&module, zero, 1.0);
+        // The last of few steps takes its time.
+        let tolerance = 0.001 + (20.0 / f64::from(turn)).sqrt();
+        assert!((seconds - 11.0).abs() < tolerance, "AP 140 = {resolution}: {seconds} s");
+        module.ok(Command::RotateLeft, 0, 0, turn / 20);
         module.run_ms(1000);
         let (from, at) = (module.turns(), module.gap(Ap::ActualPosition));
         module.run_ms(4000);
-        assert!((module.turns() - from + 1.0).abs() < 0.006, "AP 140 = {resolution}");
-        assert!((module.gap(Ap::ActualPosition) - at + turn).abs() <= 1, "AP 140 = {resolution}");
+        let (turned, moved) = (module.turns() - from, module.gap(Ap::ActualPosition) - at);
+        assert!((turned + 0.2).abs() < 0.006, "AP 140 = {resolution}: {turned} turns");
+        assert!((moved + turn / 5).abs() <= 1, "AP 140 = {resolution}: {moved} steps");
     }
 }
 
@@ -562,16 +571,23 @@ fn without_current_the_rotor_stays_while_the_ramp_runs() {
     finish(&mut module);
     module.run_ms(1);
     assert_eq!(module.gap(Ap::ActualPosition), TURN);
-    assert_eq!(module.gap(Ap::EncoderCounter), 0);
+    assert_agree_that_nothing_turned(&mut module, zero);
     assert_eq!(module.gap(Ap::MotorCurrent), 0);
-    assert_eq!(module.turns(), zero);
     // With current again it snaps to the nearest of the 50 places where the field holds it: here, where it is.
     module.sap(Ap::ChopperOffTime, 5);
     move_to(&mut module, 2 * TURN);
     finish(&mut module);
     module.run_ms(1);
-    assert!((module.turns() - zero - 1.0).abs() < 1e-4, "it turned once, and was told to turn twice");
-    assert!((module.gap(Ap::EncoderCounter) - 40_000).abs() <= 2);
+    module.run_ms(500);
+    assert_turned(&module, zero, 1.0);
+    assert_eq!(module.gap(Ap::ActualPosition), 2 * TURN, "it was told to turn twice");
+}
+
+#[track_caller]
+fn assert_agree_that_nothing_turned(module: &mut Module, zero: f64) {
+    assert_turned(module, zero, 0.0);
+    let counts = module.gap(Ap::EncoderCounter);
+    assert!(f64::from(counts.abs()) < SLACK * 40_000.0, "{counts}");
 }
 
 /// Axis parameter 208, bit 7 (§6): no step during the last 2^20 clocks, 65.5 ms at 16 MHz.
@@ -586,7 +602,7 @@ fn the_driver_reports_standstill() {
     module.run_ms(40);
     assert_eq!(module.gap(Ap::DriverErrorFlags) & STANDSTILL, 0, "not yet");
     module.run_ms(100);
-    assert_eq!(module.gap(Ap::DriverErrorFlags), STANDSTILL);
+    assert_eq!(module.gap(Ap::DriverErrorFlags) & STANDSTILL, STANDSTILL);
 }
 
 mod changes_in_flight {

@@ -76,7 +76,12 @@ const DEFAULT_EXCEPTIONS: &[(Place, &str)] = &[
     (Place::axis(150), "the coils carry the default current"),
     (Place::axis(151), "the coils carry the default current"),
     (Place::axis(152), "the coils carry the default current"),
+    (Place::axis(154), "the coils draw their current from the supply"),
     (Place::axis(180), "the table's default is that of the standby current, which comes with a later issue"),
+    (
+        Place::axis(208),
+        "the driver's: bit 7 rises 65 ms after the last step, and 0 goes with a stallGuard2 reading of 0",
+    ),
     (Place::global(GlobalParameter::TickTimer), "counts from power-on"),
     (Place::global(GlobalParameter::RandomNumber), "is random"),
 ];
@@ -130,14 +135,16 @@ fn factory_defaults_are_read_after_power_on() {
     let mut module = Module::new();
     for wait_ms in [1, 3000] {
         module.run_ms(wait_ms);
+        let mut others = Vec::new();
         for (place, spec) in parameters().filter(|(_, spec)| spec.access.read) {
             let (status, value) = place.get(&mut module);
             assert_eq!(status, Ok, "{place:?}");
             assert!(spec.range.contains(spec.from_wire(value)), "{place:?} {} reads {value}", spec.id);
-            if !is_listed(DEFAULT_EXCEPTIONS, place) {
-                assert_eq!(value, spec.default_bits(), "{place:?} {} after {wait_ms} ms", spec.id);
+            if value != spec.default_bits() && !is_listed(DEFAULT_EXCEPTIONS, place) {
+                others.push((place, spec.id, value));
             }
         }
+        assert_eq!(others, [], "after {wait_ms} ms");
     }
 }
 

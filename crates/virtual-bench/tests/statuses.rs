@@ -448,7 +448,10 @@ mod position_reached_event {
             module.request(REQUEST);
         }
         module.run_ms(2000);
-        assert_eq!(module.unasked(), [tmcl_wire::Reply { status: Status::Delayed, command: 138, value: MASK }; 10]);
+        assert_eq!(
+            module.unasked(),
+            [tmcl_wire::Reply { status: Status::Delayed, command: 138, value: MASK }; 10]
+        );
     }
 
     /// Decisions 2a.11 and 2a.12: by the time of the event, the new host and address count, and silence is silence.

@@ -1,6 +1,8 @@
 //! A host that talks to a virtual TMCM-1311 in process, and takes nothing that the wire format does not allow.
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
+use std::fmt::Display;
+
 use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::serial::{self, DATAGRAM_LENGTH};
@@ -172,8 +174,10 @@ impl Module {
 
     /// Changes something about the surroundings, by the name that a bench file's events call it.
     #[track_caller]
-    pub(crate) fn set<'a>(&mut self, name: &str, value: impl Into<SettingValue<'a>>) {
-        let settings = parse_setting(&self.config, name, value.into()).expect("a setting of this bench");
+    pub(crate) fn set(&mut self, name: &str, value: impl Display) {
+        let value = value.to_string();
+        let settings = parse_setting(&self.config, name, SettingValue::from(value.as_str()));
+        let settings = settings.expect("a setting of this bench");
         for (module, setting) in settings {
             self.bench.apply(ModuleId(module), setting);
         }
