@@ -21,10 +21,10 @@ pub mod load;
 pub mod mechanics;
 pub mod pmsm;
 pub mod presets;
+mod rk4;
 pub mod stepper;
 pub mod supply;
 pub mod switch;
-mod rk4;
 mod terminal;
 
 pub use terminal::Terminal;

@@ -21,8 +21,11 @@ impl Profile {
         kept.get_mut(..points.len())?.copy_from_slice(points);
         let ascending = points.windows(2).all(|pair| matches!(pair, [(a, _), (b, _)] if a < b));
         let positive = period.is_none_or(|period| period > 0.0);
-        (ascending && positive && !points.is_empty())
-            .then_some(Self { points: kept, length: points.len(), period })
+        (ascending && positive && !points.is_empty()).then_some(Self {
+            points: kept,
+            length: points.len(),
+            period,
+        })
     }
 
     /// The torque at `x`.

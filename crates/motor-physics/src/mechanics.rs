@@ -1,8 +1,8 @@
 //! What turns: inertia, friction, and the ends of travel.
 //!
-//! Coulomb friction changes its sign where the shaft turns round, which no integrator likes. So its direction is chosen once a
-//! step ([`Mechanics::friction`]); a shaft that would turn round within the step stops instead, and only starts again when
-//! the torque on it exceeds the friction: it sticks, as real shafts do, and does not creep.
+//! Coulomb friction changes its sign where the shaft turns round, which no integrator likes. So its direction is chosen first
+//! ([`Mechanics::friction`]), and a step ends where the shaft would turn round ([`Friction::would_drive`]). There it stops,
+//! and only starts again when the torque on it exceeds the friction: it sticks, as real shafts do, and does not creep.
 
 /// The ends of travel, and how much of its speed a shaft keeps when it bounces off them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +37,17 @@ pub enum Friction {
     Acts(f64),
 }
 
+impl Friction {
+    /// Whether a shaft at this velocity has turned round since the friction was chosen: it would drive it on.
+    #[must_use]
+    pub fn would_drive(self, velocity_rad_s: f64) -> bool {
+        match self {
+            Self::Sticks => false,
+            Self::Acts(friction_nm) => friction_nm * velocity_rad_s > 0.0,
+        }
+    }
+}
+
 impl Mechanics {
     /// What Coulomb friction does to a shaft that moves at `velocity_rad_s` while `torque_nm` acts on it.
     #[must_use]
@@ -59,12 +70,6 @@ impl Mechanics {
                 (torque_nm + friction_nm - self.viscous_nm_s_per_rad * velocity_rad_s) / self.inertia_kgm2
             }
         }
-    }
-
-    /// The velocity after a step that began at `before`: where friction would have turned the shaft round, it stops.
-    #[must_use]
-    pub fn stopped_by_friction(&self, before_rad_s: f64, after_rad_s: f64) -> f64 {
-        if self.friction_nm > 0.0 && before_rad_s * after_rad_s < 0.0 { 0.0 } else { after_rad_s }
     }
 
     /// Where a shaft is and how fast it moves once the ends of travel have had their say.
@@ -100,8 +105,6 @@ mod tests {
         assert_eq!(SHAFT.friction(0.0, 0.02), Friction::Sticks);
         assert_eq!(SHAFT.friction(0.0, -0.03), Friction::Acts(0.02));
         assert_eq!(SHAFT.friction(1.0, 0.0), Friction::Acts(-0.02));
-        assert_eq!(SHAFT.stopped_by_friction(0.1, -0.1), 0.0);
-        assert_eq!(SHAFT.stopped_by_friction(0.1, 0.05), 0.05);
     }
 
     #[test]

@@ -4,7 +4,11 @@
 //! within it, so that nothing inside a step is stiff or jumps.
 
 /// The state after `dt_s`, with `derivative` giving its rate of change.
-pub(crate) fn step<const N: usize>(state: [f64; N], dt_s: f64, derivative: impl Fn([f64; N]) -> [f64; N]) -> [f64; N] {
+pub(crate) fn step<const N: usize>(
+    state: [f64; N],
+    dt_s: f64,
+    derivative: impl Fn([f64; N]) -> [f64; N],
+) -> [f64; N] {
     let k1 = derivative(state);
     let k2 = derivative(moved(state, k1, 0.5 * dt_s));
     let k3 = derivative(moved(state, k2, 0.5 * dt_s));

@@ -39,6 +39,15 @@ impl StepperParameters {
     }
 }
 
+/// Currents A and B, velocity, electrical angle, and the energies: electrical, copper, friction, load.
+type State = [f64; 8];
+
+/// How often friction may stop the shaft within a step; one that is stopped so often stands.
+const MAX_STOPS: usize = 4;
+
+/// Halvings of a step to find the instant of a stop: to 50 ns in 50 µs.
+const BISECTIONS: usize = 10;
+
 /// Changes smaller than these are none, so that a motor at rest comes to rest.
 const CURRENT_RESOLUTION_A: f64 = 1e-9;
 const VELOCITY_RESOLUTION_RAD_S: f64 = 1e-9;
@@ -121,17 +130,36 @@ impl Stepper {
     /// A step with the terminals held and `load_torque_nm` from outside. Returns whether anything but time changed.
     pub fn advance(&mut self, terminals: [Terminal; 2], load_torque_nm: f64, dt_s: f64) -> bool {
         let before = (self.angle, self.velocity_rad_s, self.currents_a);
-        let friction = self.mechanics.friction(self.velocity_rad_s, self.torque_nm + load_torque_nm);
         let voltages = self.voltages(terminals);
-        let [a, b] = self.currents_a;
-        let coefficients = self.coefficients(Direction::of(self.angle.electrical_rad()));
-        // The angle is counted from where it is now.
-        let start = [a, b, self.velocity_rad_s, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let next =
-            rk4::step(start, dt_s, |state| coefficients.derivative(state, voltages, load_torque_nm, friction));
+        let next = self.stepped(voltages, load_torque_nm, dt_s);
         self.settle(next, terminals, voltages);
         self.energy = self.energy.plus(self.step_energy, 1);
         before != (self.angle, self.velocity_rad_s, self.currents_a)
+    }
+
+    /// The state after a step, which is cut where friction stops the shaft: put off to the end of the step, a change of its
+    /// direction would cost milliamperes.
+    fn stepped(&self, voltages: [Option<f64>; 2], load_torque_nm: f64, dt_s: f64) -> State {
+        let coefficients = self.coefficients(Direction::of(self.angle.electrical_rad()));
+        let [a, b] = self.currents_a;
+        // The angle is counted from where it is now.
+        let (mut state, mut left_s) = ([a, b, self.velocity_rad_s, 0.0, 0.0, 0.0, 0.0, 0.0], dt_s);
+        let integrated = |state, dt_s, friction| {
+            rk4::step(state, dt_s, |state| coefficients.derivative(state, voltages, load_torque_nm, friction))
+        };
+        for _ in 0..MAX_STOPS {
+            let friction =
+                self.mechanics.friction(velocity(state), coefficients.torque_at(state) + load_torque_nm);
+            let after = |dt_s| integrated(state, dt_s, friction);
+            let reached = after(left_s);
+            if !friction.would_drive(velocity(reached)) {
+                return reached;
+            }
+            let stop_s = first_time(left_s, |time_s| friction.would_drive(velocity(after(time_s))));
+            state = stopped(after(stop_s));
+            left_s -= stop_s;
+        }
+        integrated(state, left_s, Friction::Sticks)
     }
 
     /// `steps` further steps like the last one, in which nothing changed: only energy goes on.
@@ -173,13 +201,12 @@ impl Stepper {
     }
 
     /// Takes over what the integrator found, but for what friction, hard stops and diodes do not allow.
-    fn settle(&mut self, next: [f64; 8], terminals: [Terminal; 2], voltages: [Option<f64>; 2]) {
+    fn settle(&mut self, next: State, terminals: [Terminal; 2], voltages: [Option<f64>; 2]) {
         let [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j, load_j] = next;
         let kinetic_before_j = self.mechanics.kinetic_j(velocity);
-        let stopped = self.mechanics.stopped_by_friction(self.velocity_rad_s, velocity);
         let reached = self.angle.advanced_to(self.angle.electrical_rad() + turned_rad);
         let turns = reached.turns(self.parameters.pole_pairs);
-        let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, stopped);
+        let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, velocity);
         let swallowed_j = kinetic_before_j - self.mechanics.kinetic_j(allowed_velocity);
         let angle_moved = libm::fabs(turned_rad) > ANGLE_RESOLUTION_RAD;
         if allowed_turns != turns {
@@ -195,10 +222,8 @@ impl Stepper {
         let [at_a, at_b] = terminals;
         let [across_a, across_b] = voltages;
         let [before_a, before_b] = self.currents_a;
-        self.currents_a = [
-            settled_current(at_a, across_a, before_a, a),
-            settled_current(at_b, across_b, before_b, b),
-        ];
+        self.currents_a =
+            [settled_current(at_a, across_a, before_a, a), settled_current(at_b, across_b, before_b, b)];
         self.torque_nm = self.torque();
         self.step_energy = Energy::from_joules(electrical_j, copper_j, friction_j + swallowed_j, load_j);
     }
@@ -221,11 +246,11 @@ impl Coefficients {
     /// Rates of change of (iA, iB, ω, θ) and of the energies (electrical, copper, friction, load); θ counts from `start`.
     fn derivative(
         &self,
-        [a, b, velocity, turned_rad, ..]: [f64; 8],
+        [a, b, velocity, turned_rad, ..]: State,
         [voltage_a, voltage_b]: [Option<f64>; 2],
         load_torque_nm: f64,
         friction: Friction,
-    ) -> [f64; 8] {
+    ) -> State {
         let direction = self.start.turned(turned_rad);
         let peak_emf_v = self.motor_constant * velocity;
         let slope = |voltage_v: Option<f64>, current_a: f64, emf_v: f64| {
@@ -237,9 +262,10 @@ impl Coefficients {
         let viscous_nm = self.viscous_nm_s_per_rad * velocity;
         let (acceleration, friction_w) = match friction {
             Friction::Sticks => (0.0, 0.0),
-            Friction::Acts(friction_nm) => {
-                ((driving_nm + friction_nm - viscous_nm) * self.per_inertia, velocity * (viscous_nm - friction_nm))
-            }
+            Friction::Acts(friction_nm) => (
+                (driving_nm + friction_nm - viscous_nm) * self.per_inertia,
+                velocity * (viscous_nm - friction_nm),
+            ),
         };
         [
             slope(voltage_a, a, -peak_emf_v * direction.sine),
@@ -253,12 +279,40 @@ impl Coefficients {
         ]
     }
 
+    /// Torque between rotor and stator in a state.
+    fn torque_at(&self, [a, b, _, turned_rad, ..]: State) -> f64 {
+        self.torque([a, b], self.start.turned(turned_rad))
+    }
+
     /// Torque between rotor and stator.
     fn torque(&self, [a, b]: [f64; 2], Direction { sine, cosine }: Direction) -> f64 {
         // sin 4θ = 4 sin θ cos θ (cos²θ − sin²θ)
         let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
         self.motor_constant * (b * cosine - a * sine) - self.detent_torque_nm * detent
     }
+}
+
+fn velocity([_, _, velocity, ..]: State) -> f64 {
+    velocity
+}
+
+/// The state with the shaft at a stop.
+fn stopped([a, b, _, turned_rad, electrical, copper, friction, load]: State) -> State {
+    [a, b, 0.0, turned_rad, electrical, copper, friction, load]
+}
+
+/// The first time at which `holds`, which holds at `latest_s`.
+fn first_time(latest_s: f64, holds: impl Fn(f64) -> bool) -> f64 {
+    let (mut before_s, mut after_s) = (0.0, latest_s);
+    for _ in 0..BISECTIONS {
+        let middle_s = 0.5 * (before_s + after_s);
+        if holds(middle_s) {
+            after_s = middle_s;
+        } else {
+            before_s = middle_s;
+        }
+    }
+    after_s
 }
 
 /// The voltage across a coil: what drives it, or the bus against what current is left.
@@ -272,7 +326,8 @@ fn across(terminal: Terminal, current_a: f64) -> Option<f64> {
 
 /// The current after a step: diodes let it die, not turn round; and a change too small to matter is none.
 fn settled_current(terminal: Terminal, across: Option<f64>, before_a: f64, after_a: f64) -> f64 {
-    let died = matches!(terminal, Terminal::Floating { .. }) && (across.is_none() || before_a * after_a <= 0.0);
+    let died =
+        matches!(terminal, Terminal::Floating { .. }) && (across.is_none() || before_a * after_a <= 0.0);
     if died {
         0.0
     } else if libm::fabs(after_a - before_a) > CURRENT_RESOLUTION_A {

@@ -35,7 +35,9 @@ pub enum ProbeError {
     #[error("no module `{0}` on this bench; there are {1}")]
     Module(String, String),
     /// Nothing of that name on the module.
-    #[error("nothing called `{0}`; there are axis parameters such as `actual_position`, `input.N`, `output.N`, `ain.N`, `sensed.encoder_counts`, and physical.{{{1}}}")]
+    #[error(
+        "nothing called `{0}`; there are axis parameters such as `actual_position`, `input.N`, `output.N`, `ain.N`, `sensed.encoder_counts`, and physical.{{{1}}}"
+    )]
     Quantity(String, String),
 }
 

@@ -191,9 +191,10 @@ impl StepperBench {
     /// What the firmware will be told next.
     fn sense(&mut self) {
         let turns = self.motor.turns();
-        let [left_open, right_open, home_open] = self.switches.each_mut().map(|switch| {
-            switch.as_mut().is_some_and(|switch| !switch.sample(turns, self.time_ns))
-        });
+        let [left_open, right_open, home_open] = self
+            .switches
+            .each_mut()
+            .map(|switch| switch.as_mut().is_some_and(|switch| !switch.sample(turns, self.time_ns)));
         let sample = self.encoder.sample(turns);
         // The home switch pulls IN_1 down while it is closed; where there is none, the input is what it is set to.
         let inputs = match &self.switches {

@@ -140,7 +140,7 @@ impl Tmc262 {
             return;
         }
         let peak_a = self.peak_current_a(registers);
-        let reading = self.stallguard.sample(command.vector, command.direction, peak_a, pins, registers);
+        let reading = self.stallguard.sample(command, peak_a, pins, registers);
         if let Some(reading) = reading {
             self.coolstep.take(reading, registers);
         }

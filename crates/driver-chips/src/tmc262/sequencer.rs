@@ -48,6 +48,8 @@ const fn sine(angle: f64) -> f64 {
 pub(super) struct Command {
     /// Currents A and B in 1/[`AMPLITUDE`] of the current scale.
     pub(super) vector: [i16; 2],
+    /// What they were in the period before: what the coils carry when this one begins.
+    pub(super) before: [i16; 2],
     /// It is another one than before, or there were steps (four full steps make the same again).
     pub(super) changed: bool,
     /// Which way it turned: 1 where its angle grows, −1, or 0 if it did not turn.
@@ -87,7 +89,7 @@ impl Sequencer {
             }
         };
         let vector = self.vector;
-        Command { vector, changed: stepped || before != vector, direction: turn(before, vector) }
+        Command { vector, before, changed: stepped || before != vector, direction: turn(before, vector) }
     }
 }
 
@@ -166,9 +168,9 @@ mod tests {
     fn direct_currents_pass_up_to_the_amplitude() {
         let mut sequencer = Sequencer::default();
         let command = sequencer.advance(Coils::Direct([100, -300]));
-        assert_eq!(command, Command { vector: [100, -248], changed: true, direction: 0 });
+        assert_eq!(command, Command { vector: [100, -248], before: [0, 0], changed: true, direction: 0 });
         let command = sequencer.advance(Coils::Direct([200, -248]));
-        assert_eq!(command, Command { vector: [200, -248], changed: true, direction: 1 });
+        assert_eq!(command, Command { vector: [200, -248], before: [100, -248], changed: true, direction: 1 });
         assert!(!sequencer.advance(Coils::Direct([200, -248])).changed);
     }
 

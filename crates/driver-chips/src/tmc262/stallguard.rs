@@ -4,6 +4,7 @@
 //! current and the rotor, and g = 500 · min(1, v / 1 rps) · clamp((U − E − I·R) / 0.25 U, 0, 1). What varies is averaged
 //! over the full step, or with SFILT over four of them, as the silicon integrates it.
 
+use super::sequencer::Command;
 use super::{Pins, Registers};
 
 /// The reading of an unloaded motor with SGT = 0.
@@ -53,18 +54,17 @@ impl Measurement {
         self.window = Window::default();
     }
 
-    /// A sample of a period in which the commanded vector turned in `direction`; says a new reading when there is one.
+    /// A sample of a period in which the commanded vector turned; says a new reading when there is one.
     ///
     /// At most one full step is seen in a period.
     pub(super) fn sample(
         &mut self,
-        vector: [i16; 2],
-        direction: i8,
+        command: Command,
         peak_current_a: f64,
         pins: &Pins,
         registers: &Registers,
     ) -> Option<u16> {
-        let quadrant = quadrant(vector);
+        let quadrant = quadrant(command.vector);
         let reading = if self.quadrant.is_some_and(|before| before != quadrant) {
             self.window.full_steps += 1;
             self.window.reading(registers)
@@ -77,8 +77,9 @@ impl Measurement {
         }
         self.quadrant = Some(quadrant);
         self.window.samples = self.window.samples.saturating_add(1);
-        self.window.velocity_sum_rps += pins.rotor_velocity_rps * f64::from(direction);
-        self.window.freedom_sum += freedom(vector, pins) * headroom(peak_current_a, pins);
+        self.window.velocity_sum_rps += pins.rotor_velocity_rps * f64::from(command.direction);
+        // The pins show the beginning of the period, where the coils carry what was commanded for the one before.
+        self.window.freedom_sum += freedom(command.before, pins) * headroom(peak_current_a, pins);
         reading
     }
 }

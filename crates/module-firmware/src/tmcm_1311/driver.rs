@@ -86,7 +86,8 @@ impl Tmcm1311 {
     /// where the motor is, so that it does not start again.
     pub(super) fn stop_on_stall(&mut self) {
         let threshold_pps = self.kept_value(AxisParameter::StopOnStallVelocity);
-        let stalls = threshold_pps > 0 && self.speed_pps() > threshold_pps && self.sensed.driver.stallguard == 0;
+        let stalls =
+            threshold_pps > 0 && self.speed_pps() > threshold_pps && self.sensed.driver.stallguard == 0;
         if stalls {
             self.ramp.halt();
             self.target_position = self.ramp.position();

@@ -23,7 +23,8 @@ fn regulated(motor: &Stepper, wanted: [f64; 2], dt_s: f64) -> [Terminal; 2] {
     [0, 1].map(|coil| {
         let (now, wanted) = (motor.currents_a[coil], wanted[coil]);
         let StepperParameters { resistance_ohm, inductance_h, .. } = motor.parameters;
-        let voltage_v = resistance_ohm * 0.5 * (now + wanted) + emf[coil] + inductance_h * (wanted - now) / dt_s;
+        let voltage_v =
+            resistance_ohm * 0.5 * (now + wanted) + emf[coil] + inductance_h * (wanted - now) / dt_s;
         Terminal::Driven { voltage_v }
     })
 }
@@ -112,15 +113,21 @@ fn ringing_hz(parameters: StepperParameters) -> f64 {
 
 #[test]
 fn a_free_rotor_rings_at_its_natural_frequency() {
-    for (name, expected_hz) in [("QSH4218-51-10-049", 302.0), ("QSH5718-51-28-101", 216.0), ("QSH5718-76-28-189", 223.0)] {
+    for (name, expected_hz) in
+        [("QSH4218-51-10-049", 302.0), ("QSH5718-51-28-101", 216.0), ("QSH5718-76-28-189", 223.0)]
+    {
         let parameters = presets::stepper(name).expect("a preset");
         let without_detent = ringing_hz(StepperParameters { detent_torque_nm: 0.0, ..parameters });
         assert!((without_detent / expected_hz - 1.0).abs() < 0.03, "{name}: {without_detent} Hz");
         // The detent torque stiffens the rest position: √(Nr·(Th + 4·Td)/J)/2π.
-        let stiffness = parameters.pole_pairs * (parameters.holding_torque_nm + 4.0 * parameters.detent_torque_nm);
+        let stiffness =
+            parameters.pole_pairs * (parameters.holding_torque_nm + 4.0 * parameters.detent_torque_nm);
         let expected_hz = libm::sqrt(stiffness / parameters.rotor_inertia_kgm2) / TAU;
         let with_detent = ringing_hz(parameters);
-        assert!((with_detent / expected_hz - 1.0).abs() < 0.03, "{name}: {with_detent} Hz, not {expected_hz}");
+        assert!(
+            (with_detent / expected_hz - 1.0).abs() < 0.03,
+            "{name}: {with_detent} Hz, not {expected_hz}"
+        );
     }
 }
 

@@ -159,7 +159,8 @@ impl Show {
             times_real_time: (virtual_s / elapsed.as_secs_f64()).round(),
             commanded_turns: commanded.last().copied().unwrap_or(0.0),
             physical_turns: now.rotor_turns,
-            lost_full_steps: ((commanded.last().copied().unwrap_or(0.0) - now.rotor_turns) * 200.0).round() + 0.0,
+            lost_full_steps: ((commanded.last().copied().unwrap_or(0.0) - now.rotor_turns) * 200.0).round()
+                + 0.0,
             largest_deviation_full_steps: apart.fold(0.0, f64::max) * 200.0,
             largest_load_angle_deg: largest("physical.load_angle_deg"),
             largest_motor_torque_nm: largest("physical.torque_nm"),

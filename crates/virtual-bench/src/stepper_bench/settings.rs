@@ -38,7 +38,9 @@ impl Surroundings for StepperBench {
             Setting::CoilOpen(coil) => state.open_coil = coil,
             Setting::CoilShort(coil) => state.shorted_coil = coil,
             Setting::SwitchContact { switch, stuck } => self.stick(switch, stuck),
-            Setting::BoardTemperatureC(board_temperature_c) => state.board_temperature_c = board_temperature_c,
+            Setting::BoardTemperatureC(board_temperature_c) => {
+                state.board_temperature_c = board_temperature_c
+            }
             Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
             // The bench itself switches modules on and off.
             Setting::Power(_) => {}
