@@ -21,7 +21,7 @@ const STEPS: &[Step] = &[
     ("documentation", documentation),
     ("release build", || cargo(&["build", "--release"])),
     ("whole-system tests", || {
-        cargo(&["test", "--release", "--package", "module-firmware", "--package", "virtual-bench"])
+        cargo(&["test", "--release", "--package", "motion-control", "--package", "virtual-bench"])
     }),
     ("real clients", real_clients),
     ("fuzz", fuzz),

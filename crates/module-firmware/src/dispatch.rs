@@ -101,6 +101,7 @@ impl<A: Axis> Firmware<A> {
             Command::SoftwareReset => Err(Status::InvalidValue),
             // No search runs, so none is stopped and none is active.
             Command::ReferenceSearch if kind != 0 => Ok(Outcome::Done(0)),
+            // Empty until a customer's firmware fills them.
             Command::UserFunction0
             | Command::UserFunction1
             | Command::UserFunction2

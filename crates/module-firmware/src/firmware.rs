@@ -105,7 +105,7 @@ impl<A: Axis> Firmware<A> {
 
     /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later.
     ///
-    /// Bounded work: at most one request is executed.
+    /// Bounded work: at most what the inbox holds is executed, seven requests.
     #[must_use]
     pub fn receive(&mut self, port: PortId, byte: u8) -> bool {
         let taken = self.port_mut(port).is_some_and(|port| port.push(byte));

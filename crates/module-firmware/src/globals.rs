@@ -58,7 +58,7 @@ impl Globals {
     pub(crate) fn read(&mut self, parameter: GlobalParameter, ticks: u64) -> i32 {
         use GlobalParameter as G;
         match parameter {
-            G::TickTimer => self.milliseconds(ticks).wrapping_add(self.tick_timer_offset).cast_signed(),
+            G::TickTimer => milliseconds(ticks).wrapping_add(self.tick_timer_offset).cast_signed(),
             G::RandomNumber => self.draw(ticks),
             G::EepromMagic
             | G::BaudRate
@@ -103,7 +103,7 @@ impl Globals {
     pub(crate) fn write(&mut self, parameter: GlobalParameter, value: i32, ticks: u64) {
         match (parameter, value) {
             (GlobalParameter::TickTimer, _) => {
-                self.tick_timer_offset = value.cast_unsigned().wrapping_sub(self.milliseconds(ticks));
+                self.tick_timer_offset = value.cast_unsigned().wrapping_sub(milliseconds(ticks));
             }
             (GlobalParameter::EepromLock, LOCK) => self.values.set(parameter.index(), 1),
             (GlobalParameter::EepromLock, UNLOCK) => self.values.set(parameter.index(), 0),
@@ -124,15 +124,9 @@ impl Globals {
         self.variables.set(usize::from(number), value);
     }
 
-    /// The counter of parameter 132 wraps at 32 bits.
-    #[expect(clippy::unused_self, reason = "reads as what it belongs to")]
-    fn milliseconds(&self, ticks: u64) -> u32 {
-        u32::try_from((ticks / TICKS_PER_MS) & u64::from(u32::MAX)).unwrap_or(0)
-    }
-
     /// Marsaglia's 32-bit xorshift, stirred with the time of asking: no two runs differ unless their inputs do.
     fn draw(&mut self, ticks: u64) -> i32 {
-        let mut state = self.random ^ self.milliseconds(ticks).rotate_left(16);
+        let mut state = self.random ^ milliseconds(ticks).rotate_left(16);
         if state == 0 {
             state = 1;
         }
@@ -142,4 +136,9 @@ impl Globals {
         self.random = state;
         (state >> 1).cast_signed()
     }
+}
+
+/// The counter of parameter 132 wraps at 32 bits.
+fn milliseconds(ticks: u64) -> u32 {
+    u32::try_from((ticks / TICKS_PER_MS) & u64::from(u32::MAX)).unwrap_or(0)
 }

@@ -56,6 +56,9 @@ impl Direction {
     /// The direction `by_rad` further on. Small turns, as within a step, go by a power series whose error is below the last
     /// bit: an integrator asks four times a step, and a whole sine costs more than all the rest of it.
     pub(crate) fn turned(self, by_rad: f64) -> Self {
+        if by_rad == 0.0 {
+            return self;
+        }
         let turn = if libm::fabs(by_rad) < 0.5 { small(by_rad) } else { Self::of(by_rad) };
         Self {
             sine: self.sine * turn.cosine + self.cosine * turn.sine,

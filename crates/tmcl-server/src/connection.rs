@@ -11,7 +11,7 @@ use crate::shared::{Shared, lock};
 /// Bytes read at once: some dozens of datagrams.
 const READ_SIZE: usize = 512;
 
-/// A connected client.
+/// A connected client, which gives its port back when it is dropped.
 pub(crate) struct Connection<W> {
     shared: Arc<Shared>,
     port: PortId,
@@ -32,9 +32,7 @@ impl<W: Write + Send + 'static> Connection<W> {
 
     /// Serves the client until it goes.
     pub(crate) fn serve(self, mut reader: impl Read) -> io::Result<()> {
-        let outcome = self.answer_until_end(&mut reader);
-        self.shared.disconnect(self.port);
-        outcome
+        self.answer_until_end(&mut reader)
     }
 
     fn answer_until_end(&self, reader: &mut impl Read) -> io::Result<()> {
@@ -70,5 +68,11 @@ impl<W: Write + Send + 'static> Connection<W> {
                 }
             }
         });
+    }
+}
+
+impl<W> Drop for Connection<W> {
+    fn drop(&mut self) {
+        self.shared.disconnect(self.port);
     }
 }

@@ -16,8 +16,8 @@ pub enum Notice {
     Slipped(Duration),
     /// A client came while all of the module's ports were in use, and was sent away.
     Refused(String),
-    /// A listener failed and takes no more clients.
-    ListenerFailed(String),
+    /// A client came and could not be served; the next one may be.
+    ClientFailed(String),
 }
 
 /// The module that all clients talk to.

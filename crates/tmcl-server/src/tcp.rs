@@ -3,9 +3,13 @@
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use crate::connection::Connection;
 use crate::shared::{Notice, Shared, lock};
+
+/// How long a listener waits after a failure.
+const RETRY: Duration = Duration::from_millis(100);
 
 /// A listening socket and its clients.
 pub(crate) struct Tcp {
@@ -45,7 +49,9 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<
         }
         if let Err(error) = stream.and_then(|stream| welcome(stream, shared, clients)) {
             // One client's failure is no reason to turn the next away.
-            shared.notify(Notice::ListenerFailed(error.to_string()));
+            shared.notify(Notice::ClientFailed(error.to_string()));
+            // Too many open files, say, are still too many a microsecond later.
+            std::thread::sleep(RETRY);
         }
     }
 }

@@ -64,7 +64,7 @@ pub(crate) struct Demo {
     #[arg(long, value_name = "TURNS", default_value = "0.5", allow_negative_numbers = true, value_parser = turns)]
     pub(crate) turns: f64,
     /// How fast
-    #[arg(long, value_name = "RPM", default_value = "60", value_parser = rpm)]
+    #[arg(long, value_name = "RPM", default_value = "60", allow_negative_numbers = true, value_parser = rpm)]
     pub(crate) rpm: f64,
     #[command(flatten)]
     pub(crate) recording: Recording,
@@ -110,7 +110,7 @@ pub(crate) struct Serve {
     #[arg(long, value_name = "PATH")]
     pub(crate) pty: Vec<PathBuf>,
     /// How fast virtual time runs, 1 being real time
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
+    #[arg(long, value_name = "FACTOR", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub(crate) speed: f64,
     #[command(flatten)]
     pub(crate) recording: Recording,
@@ -177,10 +177,11 @@ fn turns(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Within what the module's velocity and acceleration can be set to, and a run can last.
 fn rpm(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(rpm) if rpm > 0.0 && rpm <= 10_000.0 => Ok(rpm),
-        _ => Err("a velocity above 0 and up to 10000 rpm is expected".to_owned()),
+        Ok(rpm) if (0.01..=3000.0).contains(&rpm) => Ok(rpm),
+        _ => Err("a velocity from 0.01 to 3000 rpm is expected".to_owned()),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use module_firmware::{Axis, Firmware, PortId};
 
-use crate::config::Setting;
+use crate::config::{Power, Setting};
 use crate::eeprom::Eeprom;
 use crate::hardware::{Hardware, Physical};
 
@@ -145,7 +145,11 @@ where
     }
 
     fn set_power(&mut self, on: bool) {
+        if on == self.powered {
+            return;
+        }
         self.powered = on;
+        self.hardware.apply(Setting::Power(if on { Power::On } else { Power::Off }));
         // Without power it forgets everything but its EEPROM; what it was about to say is lost.
         self.firmware = Firmware::power_on(&mut self.eeprom);
         if let Some(ticks) = self.silence_ticks {

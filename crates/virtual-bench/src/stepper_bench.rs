@@ -61,6 +61,7 @@ pub(crate) struct StepperBench {
 /// What is set from outside and stays until it is set again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct SurroundingsState {
+    powered: bool,
     ambient_c: f64,
     board_temperature_c: Option<f64>,
     open_coil: Option<Coil>,
@@ -85,7 +86,7 @@ impl Hardware for StepperBench {
         let terminals = self.interrupted(terminals);
         self.load_nm = self.load.at(self.motor.turns(), seconds(self.time_ns));
         let moved = self.motor.advance(terminals, self.load_nm, PERIOD_S);
-        self.supply.advance(BOARD_W + self.motor.electrical_power_w(PERIOD_S), PERIOD_S);
+        self.supply.advance(self.board_w() + self.motor.electrical_power_w(PERIOD_S), PERIOD_S);
         self.coils = drive.coils;
         self.time_ns = until_ns;
         self.warm();
@@ -172,7 +173,12 @@ impl StepperBench {
         self.heat_from_pj = copper_pj;
         self.winding.advance(copper_w, seconds(HEAT_NS));
         let bridge_w = copper_w * BRIDGE_OHM / self.motor.parameters.resistance_ohm;
-        self.board.advance(BOARD_W + bridge_w, seconds(HEAT_NS));
+        self.board.advance(self.board_w() + bridge_w, seconds(HEAT_NS));
+    }
+
+    /// What the board takes for itself while it is on.
+    fn board_w(&self) -> f64 {
+        if self.surroundings.powered { BOARD_W } else { 0.0 }
     }
 
     /// How far the rotor lags behind the commanded current vector; 0 when there is none.

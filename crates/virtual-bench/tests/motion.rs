@@ -12,9 +12,9 @@ const TURN: i32 = 51_200;
 
 const TICKS_PER_S: i64 = 20_000;
 
-/// How far a rotor without load may be from its field, in turns: a quarter of a full step, for detent torque and for what
-/// still swings after a step.
-const SLACK: f64 = 1.0 / 800.0;
+/// How far a rotor without load may be from its field, in turns: a full step, for detent torque and resonance. Steps get
+/// lost four at a time (decisions 5.8), so this is none.
+const SLACK: f64 = 1.0 / 200.0;
 
 fn move_to(module: &mut Module, position: i32) {
     module.ok(Command::MoveToPosition, 0, 0, position);
@@ -159,13 +159,13 @@ mod one_turn_in_two_seconds {
 #[test]
 fn moves_take_the_time_that_the_ramp_says() {
     for (distance, velocity, acceleration) in [
-        (1_000_000, 200_000, 400_000),
-        (-1_000_000, 200_000, 400_000),
+        (300_000, 200_000, 400_000),
+        (-300_000, 200_000, 400_000),
         (1000, 51_200, 51_200),
         (100_000, 1_000_000, 10_000_000),
-        (2000, 100, 24_999_998),
+        (500, 100, 24_999_998),
         (5000, 327_679_999, 100_000),
-        (400, 500, 100),
+        (100, 500, 100),
         (1, 51_200, 51_200),
     ] {
         let mut module = Module::new();
@@ -224,10 +224,10 @@ mod rotation {
             module.run_ms(260);
             assert_eq!(module.gap(Ap::ActualVelocity), sign * 25_600);
             let (position, turns) = (module.gap(Ap::ActualPosition), module.turns());
-            module.run_ms(10_000);
+            module.run_ms(4000);
             let moved = module.gap(Ap::ActualPosition) - position;
-            assert!((moved - sign * 256_000).abs() <= 1, "{moved} µsteps in 10 s");
-            assert_turned(&module, turns, f64::from(sign) * 5.0);
+            assert!((moved - sign * 102_400).abs() <= 1, "{moved} µsteps in 4 s");
+            assert_turned(&module, turns, f64::from(sign) * 2.0);
             assert_agree(&mut module, zero);
         }
     }
@@ -530,16 +530,17 @@ mod setting_the_position {
     }
 }
 
-/// 200 full steps are a turn, in however many µsteps they are taken (axis parameter 140, §6.1): 20 of them a second, so
-/// that what whole steps set swinging comes to rest.
+/// 200 full steps are a turn, in however many µsteps they are taken (axis parameter 140, §6.1). Whole and half steps go
+/// slowly, so that what they set swinging comes to rest.
 #[test]
 fn the_microstep_resolution_scales_positions_and_velocities() {
     for resolution in 0..=8 {
         let mut module = Module::new();
         let turn = 200 << resolution;
+        let velocity = if resolution < 2 { turn / 5 } else { turn };
         module.sap(Ap::MicrostepResolution, resolution);
-        module.sap(Ap::MaxVelocity, turn / 10);
-        module.sap(Ap::MaxAcceleration, turn / 10);
+        module.sap(Ap::MaxVelocity, velocity);
+        module.sap(Ap::MaxAcceleration, velocity);
         module.run_ms(1);
         let zero = module.turns();
         move_to(&mut module, turn);
@@ -547,15 +548,17 @@ fn the_microstep_resolution_scales_positions_and_velocities() {
         module.run_ms(500);
         assert_turned(&module, zero, 1.0);
         // The last of few steps takes its time.
-        let tolerance = 0.001 + (20.0 / f64::from(turn)).sqrt();
-        assert!((seconds - 11.0).abs() < tolerance, "AP 140 = {resolution}: {seconds} s");
-        module.ok(Command::RotateLeft, 0, 0, turn / 20);
+        let tolerance = 0.001 + (2.0 / f64::from(velocity)).sqrt();
+        let expected = f64::from(turn / velocity + 1);
+        assert!((seconds - expected).abs() < tolerance, "AP 140 = {resolution}: {seconds} s");
+        module.ok(Command::RotateLeft, 0, 0, velocity / 2);
         module.run_ms(1000);
         let (from, at) = (module.turns(), module.gap(Ap::ActualPosition));
-        module.run_ms(4000);
-        let (turned, moved) = (module.turns() - from, module.gap(Ap::ActualPosition) - at);
-        assert!((turned + 0.2).abs() < 0.006, "AP 140 = {resolution}: {turned} turns");
-        assert!((moved + turn / 5).abs() <= 1, "AP 140 = {resolution}: {moved} steps");
+        module.run_ms(1000);
+        let (turned, moved) = (from - module.turns(), at - module.gap(Ap::ActualPosition));
+        assert!((moved - velocity / 2).abs() <= 1, "AP 140 = {resolution}: {moved} steps");
+        let expected = f64::from(velocity) / 2.0 / f64::from(turn);
+        assert!((turned - expected).abs() < 0.006, "AP 140 = {resolution}: {turned} turns");
     }
 }
 
@@ -724,7 +727,7 @@ mod determinism {
             random % below
         };
         let mut seen = Vec::new();
-        for _ in 0..2000 {
+        for _ in 0..400 {
             let position = next(200_000).cast_signed() - 100_000;
             let request = match next(8) {
                 0 => Request::new(Command::RotateRight, 0, 0, position),
@@ -738,7 +741,7 @@ mod determinism {
             };
             let answer = module.exchange(&tmcl_wire::serial::encode_request(1, request));
             seen.push((answer, module.turns().to_bits()));
-            module.run_ticks(u64::from(next(1000)));
+            module.run_ticks(u64::from(next(600)));
         }
         seen
     }

@@ -29,7 +29,7 @@ impl Tmcm1311 {
             P::MaxPossibleCurrent => self.max_possible_current_ma(),
             P::StatusWord => self.status_word(),
             P::RampMode => i32::from(self.mode == RampMode::Velocity),
-            P::MotorCurrent => isqrt(coil_a * coil_a + coil_b * coil_b),
+            P::MotorCurrent => amplitude(coil_a, coil_b),
             P::PhaseACurrent => coil_a,
             P::PhaseBCurrent => coil_b,
             P::SupplyVoltage => i32::from(self.sensed.supply_voltage_dv),
@@ -199,6 +199,8 @@ impl Tmcm1311 {
     }
 }
 
-fn isqrt(value: i32) -> i32 {
-    value.checked_isqrt().unwrap_or(0)
+/// √(a² + b²), rounded down. Sixteen bits each leave room: 2 · 2³⁰ fits without a sign.
+fn amplitude(a: i32, b: i32) -> i32 {
+    let squares = a.unsigned_abs().pow(2).saturating_add(b.unsigned_abs().pow(2));
+    squares.isqrt().cast_signed()
 }

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use tmcl_tables::Command;
 use tmcl_tables::tmcm_1311::AxisParameter;
+use tmcl_tables::{Command, Status};
 use tmcl_wire::{Request, serial};
 use virtual_bench::config::Setting;
 use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
@@ -29,8 +29,11 @@ const RAMP_S: f64 = 0.25;
 /// What pulls at the shaft between the moves on the default bench.
 const LOAD_NM: f64 = -0.3;
 
-/// Microsteps in a turn after power-on: 256 for each of 200 full steps.
-const MICROSTEPS: f64 = 51_200.0;
+/// Microsteps in a full step after power-on.
+const MICROSTEPS: f64 = 256.0;
+
+/// Full steps in a turn of the usual stepper.
+const USUAL_FULL_STEPS: f64 = 200.0;
 
 /// How long a move may take beyond what it should.
 const PATIENCE_NS: u64 = 2_000 * MS;
@@ -54,7 +57,8 @@ pub(crate) fn run(options: &Demo) -> Outcome {
         return Ok(print::json(&summary)?);
     }
     let width = terminal_size::terminal_size().map_or(100, |(terminal_size::Width(width), _)| width.min(140));
-    let colour = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let colour =
+        std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty());
     print::text(&plot::terminal(&show.recorder.figure(&title), width, 50, colour))?;
     print::text("\n")?;
     print::table(["quantity", "value", "unit"], summary.rows().into_iter())?;
@@ -71,6 +75,7 @@ pub(crate) fn run(options: &Demo) -> Outcome {
 struct Show {
     bench: Bench,
     address: u8,
+    full_steps: f64,
     recorder: Recorder,
     progress: ProgressBar,
 }
@@ -79,21 +84,27 @@ impl Show {
     fn new(config: &BenchConfig, options: &Demo) -> Result<Self, Failure> {
         let bench = Bench::new(config);
         let recorder = Recorder::new(&bench, &options.recording, SAMPLE_NS)?;
-        let address = config.modules.first().and_then(|module| module.address).unwrap_or(1);
+        let first = config.modules.first();
+        let address = first.and_then(|module| module.address).unwrap_or(1);
+        let motor = first.and_then(|module| module.motor.stepper());
+        // An electrical period is four full steps.
+        let full_steps = motor.map_or(USUAL_FULL_STEPS, |motor| motor.pole_pairs * 4.0);
         // Hidden where stderr is no terminal.
         let progress = ProgressBar::new((planned_ns(options) / MS).max(1));
         let style = ProgressStyle::with_template("{bar:40} {pos}/{len} ms of virtual time");
         progress.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Ok(Self { bench, address, recorder, progress })
+        Ok(Self { bench, address, full_steps, recorder, progress })
     }
 
     /// There, a pull at the shaft where the bench has no events of its own, and back.
     fn play(&mut self, options: &Demo) -> Result<(), Failure> {
-        let velocity_pps = options.rpm / 60.0 * MICROSTEPS;
+        let microsteps = self.full_steps * MICROSTEPS;
+        let velocity_pps = options.rpm / 60.0 * microsteps;
+        self.set(AxisParameter::MotorFullSteps, self.full_steps)?;
         self.set(AxisParameter::MaxVelocity, velocity_pps)?;
         self.set(AxisParameter::MaxAcceleration, velocity_pps / RAMP_S)?;
         self.advance(100 * MS);
-        self.move_to(options.turns * MICROSTEPS, options)?;
+        self.move_to(options.turns * microsteps, options)?;
         self.advance(250 * MS);
         if options.bench.is_none() {
             self.bench.apply(ModuleId(0), Setting::LoadTorqueNm(LOAD_NM));
@@ -133,8 +144,8 @@ impl Show {
             .try_into()
             .map_err(|_| failure("the module does not answer; is its power off?".to_owned()))?;
         match serial::decode_reply(answer) {
-            Ok((_, _, reply)) if reply.status == tmcl_tables::Status::Ok => Ok(reply.value),
-            Ok((_, _, reply)) => Err(failure(format!("command {} got {:?}", request.command, reply.status))),
+            Ok((_, _, reply)) if reply.status == Status::Ok => Ok(reply.value),
+            Ok((_, _, reply)) => Err(failure(refusal(&request, reply.status))),
             Err(error) => Err(failure(error.to_string())),
         }
     }
@@ -154,20 +165,26 @@ impl Show {
         let physical = self.recorder.values("physical.rotor_turns");
         let apart = commanded.iter().zip(&physical).map(|(commanded, physical)| (commanded - physical).abs());
         let virtual_s = self.bench.time_ns() as f64 * 1e-9;
+        let commanded_turns = commanded.last().copied().unwrap_or(0.0);
         Summary {
             virtual_time_s: virtual_s,
             times_real_time: (virtual_s / elapsed.as_secs_f64()).round(),
-            commanded_turns: commanded.last().copied().unwrap_or(0.0),
+            commanded_turns,
             physical_turns: now.rotor_turns,
-            lost_full_steps: ((commanded.last().copied().unwrap_or(0.0) - now.rotor_turns) * 200.0).round()
-                + 0.0,
-            largest_deviation_full_steps: apart.fold(0.0, f64::max) * 200.0,
+            // Adding zero makes a plain one of a negative one.
+            lost_full_steps: ((commanded_turns - now.rotor_turns) * self.full_steps).round() + 0.0,
+            largest_deviation_full_steps: apart.fold(0.0, f64::max) * self.full_steps,
             largest_load_angle_deg: largest("physical.load_angle_deg"),
             largest_motor_torque_nm: largest("physical.torque_nm"),
             largest_coil_current_a: largest("physical.coil_a_a").max(largest("physical.coil_b_a")),
             winding_temperature_c: now.winding_temperature_c,
         }
     }
+}
+
+fn refusal(request: &Request, status: Status) -> String {
+    let Request { command, kind, value, .. } = request;
+    format!("the module refused command {command}, type {kind}, value {value}: {status:?}")
 }
 
 /// How long a move should take.

@@ -138,6 +138,6 @@ fn say(notice: Notice) {
             )
         }
         Notice::Refused(peer) => format!("turned {peer} away: all {PORTS} ports of the module are in use"),
-        Notice::ListenerFailed(error) => format!("a client could not be served: {error}"),
+        Notice::ClientFailed(error) => format!("a client could not be served: {error}"),
     });
 }

@@ -14,7 +14,7 @@ use crate::config::{ModuleConfig, MotorConfig};
 use crate::kind::ModuleKind;
 
 /// The TMCM-1311's power stage: 3 A RMS (TMCM-1311 §2).
-const BOARD: Board = Board { full_scale_rms_a: 3.0 };
+pub(super) const BOARD: Board = Board { full_scale_rms_a: 3.0 };
 
 impl StepperBench {
     /// Everything at rest, the shaft at 0.
@@ -49,6 +49,7 @@ fn surroundings(config: &ModuleConfig) -> SurroundingsState {
     let digital = config.inputs.digital.iter().filter(|(number, high)| **high && **number < 8);
     let analog = |number: u8| config.inputs.analog.get(&number).copied().unwrap_or(0);
     SurroundingsState {
+        powered: true,
         ambient_c: config.temperature_c,
         board_temperature_c: None,
         open_coil: None,

@@ -1,11 +1,13 @@
 //! What can be changed about a stepper module's surroundings while it runs.
 
-use motor_physics::encoder::EncoderFault;
+use driver_chips::tmc262::Tmc262;
+use motor_physics::encoder::{Encoder, EncoderFault};
 use motor_physics::load::LoadTorque;
 use motor_physics::switch::SwitchFault;
 
 use super::StepperBench;
-use crate::config::{Contact, EncoderLine, Setting, SwitchName};
+use super::build::BOARD;
+use crate::config::{Contact, EncoderLine, Power, Setting, SwitchName};
 use crate::module::Surroundings;
 
 /// Full steps in an electrical period.
@@ -39,11 +41,10 @@ impl Surroundings for StepperBench {
             Setting::CoilShort(coil) => state.shorted_coil = coil,
             Setting::SwitchContact { switch, stuck } => self.stick(switch, stuck),
             Setting::BoardTemperatureC(board_temperature_c) => {
-                state.board_temperature_c = board_temperature_c
+                state.board_temperature_c = board_temperature_c;
             }
             Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
-            // The bench itself switches modules on and off.
-            Setting::Power(_) => {}
+            Setting::Power(power) => self.switch(power),
         }
         // What changed may show at once, even if nothing moves.
         self.sense();
@@ -55,6 +56,16 @@ impl Surroundings for StepperBench {
 }
 
 impl StepperBench {
+    /// Without power the chip forgets what it found, and the encoder's counter how far it counted; the rotor keeps its
+    /// place.
+    fn switch(&mut self, power: Power) {
+        self.surroundings.powered = power != Power::Off;
+        self.chip = Tmc262::new(BOARD);
+        let fault = self.encoder.fault;
+        self.encoder = Encoder::new(self.encoder.config(), self.motor.turns());
+        self.encoder.fault = fault;
+    }
+
     fn stick(&mut self, switch: SwitchName, stuck: Option<Contact>) {
         let [left, right, home] = &mut self.switches;
         let switch = match switch {
