@@ -2,16 +2,17 @@
 //!
 //! Two statuses fit at once: the first that applies in the order command, type, motor or bank, lock, value.
 
-use tmcl_tables::{
-    Access, Command, Direction, GlobalParameter, GlobalSpec, Mode, MotorField, ParameterSpec, PortSpec,
-    Status, TypeField,
-};
+mod coordinates;
+mod globals;
+mod ports;
+
+use coordinates::coordinate_number;
+use globals::restore_global_parameter;
+use tmcl_tables::{Access, Command, Mode, MotorField, ParameterSpec, Status, TypeField};
 use tmcl_wire::Request;
 
 use crate::axis::{Axis, Motion};
-use crate::coordinates;
 use crate::firmware::{Firmware, Job};
-use crate::globals::VARIABLE_BANK;
 use crate::storage::RecordKey;
 
 /// The value that commands 137 and 255 want to see.
@@ -20,14 +21,8 @@ const CONFIRMATION: i32 = 1234;
 /// The mask of command 138: motor 0.
 pub(crate) const POSITION_REACHED_MASK: i32 = 1;
 
-/// The port number that means all of a bank.
-const ALL_PORTS: u8 = 255;
-
 /// The motor byte of SCO and GCO that means the EEPROM.
 const COORDINATES_IN_EEPROM: u8 = 255;
-
-const INPUT_BANK: u8 = 0;
-const OUTPUT_BANK: u8 = 2;
 
 /// What a request led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,129 +175,6 @@ impl<A: Axis> Firmware<A> {
         Ok(Outcome::Job(Job::Write(RecordKey::Axis(number), self.axis.get(parameter)), sent))
     }
 
-    /// SGP and AGP. Bank 0 is stored at once, as far as the EEPROM keeps it (TMCM-1311 §10.1).
-    fn set_global_parameter(&mut self, request: &Request, value: i32, answer: i32) -> Executed {
-        let &Request { kind: number, motor: bank, .. } = request;
-        let spec = &global_spec::<A>(bank, number)?.parameter;
-        if !spec.access.write {
-            return Err(Status::WrongType);
-        }
-        let stored = bank == 0 && spec.access.store;
-        let locks = GlobalParameter::EepromLock.address() == (bank, number);
-        if stored && !locks {
-            self.unlocked()?;
-        }
-        in_range(spec, value)?;
-        if bank == VARIABLE_BANK {
-            self.globals.set_variable(number, value);
-            return Ok(Outcome::Done(answer));
-        }
-        let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
-        self.globals.write(parameter, value, self.ticks);
-        if stored {
-            let kept = self.globals.setting(parameter);
-            return Ok(Outcome::Job(Job::Write(RecordKey::Global(bank, number), kept), answer));
-        }
-        Ok(Outcome::Done(answer))
-    }
-
-    fn get_global_parameter(&mut self, request: &Request) -> Executed {
-        let &Request { kind: number, motor: bank, .. } = request;
-        readable(&global_spec::<A>(bank, number)?.parameter)?;
-        if bank == VARIABLE_BANK {
-            return Ok(Outcome::Done(self.globals.variable(number)));
-        }
-        let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
-        Ok(Outcome::Done(self.globals.read(parameter, self.ticks)))
-    }
-
-    /// STGP: bank 0 is stored already, so that only user variables have something to do.
-    fn store_global_parameter(&self, request: &Request) -> Executed {
-        let &Request { kind: number, motor: bank, value, .. } = request;
-        let spec = &global_spec::<A>(bank, number)?.parameter;
-        if bank != 0 {
-            storable(spec)?;
-        }
-        self.unlocked()?;
-        if bank != VARIABLE_BANK {
-            return Ok(Outcome::Done(value));
-        }
-        let key = RecordKey::Global(VARIABLE_BANK, number);
-        Ok(Outcome::Job(Job::Write(key, self.globals.variable(number)), value))
-    }
-
-    fn set_output(&mut self, request: &Request) -> Executed {
-        let &Request { kind: number, motor: bank, value, .. } = request;
-        if (bank, number) == (OUTPUT_BANK, ALL_PORTS) && !outputs::<A>().is_empty() {
-            let levels = match value {
-                -1 => self.registers.accumulator & 0xFF,
-                0..=255 => value,
-                _ => return Err(Status::InvalidValue),
-            };
-            for spec in outputs::<A>() {
-                if let Some(port) = A::port(spec.bank, spec.number) {
-                    self.axis.write_port(port, (levels >> spec.number) & 1 == 1);
-                }
-            }
-            return Ok(Outcome::Done(value));
-        }
-        let (port, spec) = port::<A>(bank, number)?;
-        if spec.direction != Direction::Output {
-            return Err(Status::WrongType);
-        }
-        if !spec.range.contains(i64::from(value)) {
-            return Err(Status::InvalidValue);
-        }
-        self.axis.write_port(port, value != 0);
-        Ok(Outcome::Done(value))
-    }
-
-    fn get_input(&self, request: &Request) -> Executed {
-        let &Request { kind: number, motor: bank, .. } = request;
-        if (bank, number) == (INPUT_BANK, ALL_PORTS) {
-            let bits = A::SPEC.ports.iter().filter(|spec| spec.bank == INPUT_BANK).map(|spec| {
-                let level = A::port(spec.bank, spec.number).map_or(0, |port| self.axis.read_port(port));
-                (level & 1) << spec.number
-            });
-            return Ok(Outcome::Done(bits.fold(0, |all, bit| all | bit)));
-        }
-        let (port, _) = port::<A>(bank, number)?;
-        Ok(Outcome::Done(self.axis.read_port(port)))
-    }
-
-    fn set_coordinate(&mut self, request: &Request) -> Executed {
-        let &Request { kind, motor, value, .. } = request;
-        if motor == COORDINATES_IN_EEPROM {
-            let (next, last) = coordinates_to_copy(kind)?;
-            self.unlocked()?;
-            return Ok(Outcome::Job(Job::StoreCoordinates { next, last }, value));
-        }
-        self.write_coordinate(kind, value, value)
-    }
-
-    fn get_coordinate(&self, request: &Request) -> Executed {
-        let &Request { kind, motor, value, .. } = request;
-        if motor == COORDINATES_IN_EEPROM {
-            let (first, last) = coordinates_to_copy(kind)?;
-            return Ok(Outcome::Job(Job::RestoreCoordinates { first, last }, value));
-        }
-        Ok(Outcome::Done(self.coordinates.get(coordinate_number(kind)?)))
-    }
-
-    /// Sets a coordinate, and writes it through where global parameter 84 says so; coordinate 0 never is.
-    fn write_coordinate(&mut self, number: u8, position: i32, answer: i32) -> Executed {
-        let number = coordinate_number(number)?;
-        let through = number != 0 && self.globals.setting(GlobalParameter::CoordinateStorage) != 0;
-        if through {
-            self.unlocked()?;
-        }
-        self.coordinates.set(number, position);
-        if through {
-            return Ok(Outcome::Job(Job::Write(RecordKey::Coordinate(number), position), answer));
-        }
-        Ok(Outcome::Done(answer))
-    }
-
     /// 137: no reply; nothing happens while the EEPROM is locked.
     fn factory_reset(&self, value: i32) -> Executed {
         match value {
@@ -351,17 +223,6 @@ fn check_access(command: Command, access: Access) -> Result<(), Status> {
     if allowed { Ok(()) } else { Err(Status::WrongType) }
 }
 
-/// RSGP: bank 0 needs no restoring, bank 2 is read back where it can be stored.
-fn restore_global_parameter<A: Axis>(request: &Request) -> Executed {
-    let &Request { kind: number, motor: bank, value, .. } = request;
-    let spec = &global_spec::<A>(bank, number)?.parameter;
-    match bank {
-        0 => Ok(Outcome::Done(value)),
-        VARIABLE_BANK => storable(spec).map(|()| Outcome::Job(Job::RestoreVariable(number), value)),
-        _ => Err(Status::WrongType),
-    }
-}
-
 fn axis_spec<A: Axis>(number: u8) -> Result<&'static ParameterSpec, Status> {
     A::SPEC.axis_parameter(number).ok_or(Status::WrongType)
 }
@@ -369,20 +230,6 @@ fn axis_spec<A: Axis>(number: u8) -> Result<&'static ParameterSpec, Status> {
 fn axis_parameter<A: Axis>(number: u8) -> Result<(A::Parameter, &'static ParameterSpec), Status> {
     let parameter = A::Parameter::try_from(number).map_err(|_| Status::WrongType)?;
     Ok((parameter, axis_spec::<A>(number)?))
-}
-
-fn global_spec<A: Axis>(bank: u8, number: u8) -> Result<&'static GlobalSpec, Status> {
-    A::SPEC.global_parameter(bank, number).ok_or(Status::WrongType)
-}
-
-fn port<A: Axis>(bank: u8, number: u8) -> Result<(A::Port, &'static PortSpec), Status> {
-    A::port(bank, number).zip(A::SPEC.port(bank, number)).ok_or(Status::WrongType)
-}
-
-/// The module's outputs, which stand together in the table.
-fn outputs<A: Axis>() -> &'static [PortSpec] {
-    let start = A::SPEC.ports.partition_point(|port| port.bank < OUTPUT_BANK);
-    A::SPEC.ports.get(start..).unwrap_or(&[])
 }
 
 fn readable(spec: &ParameterSpec) -> Result<(), Status> {
@@ -395,16 +242,4 @@ fn storable(spec: &ParameterSpec) -> Result<(), Status> {
 
 fn in_range(spec: &ParameterSpec, value: i32) -> Result<(), Status> {
     if spec.allows_write(value) { Ok(()) } else { Err(Status::InvalidValue) }
-}
-
-fn coordinate_number(number: u8) -> Result<u8, Status> {
-    if number < coordinates::COUNT { Ok(number) } else { Err(Status::InvalidValue) }
-}
-
-/// The EEPROM forms of SCO and GCO: 0 stands for all but coordinate 0.
-fn coordinates_to_copy(number: u8) -> Result<(u8, u8), Status> {
-    match coordinate_number(number)? {
-        0 => Ok((1, coordinates::COUNT - 1)),
-        number => Ok((number, number)),
-    }
 }

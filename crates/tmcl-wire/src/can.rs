@@ -61,14 +61,13 @@ pub fn encode_request(request: Request) -> Data {
 #[must_use]
 pub fn encode_reply(module: u8, reply: Reply, length: Length) -> Data {
     let [a, b, c, d] = reply.value.to_be_bytes();
-    let bytes = [module, reply.status.number(), reply.command, a, b, c, d];
-    let [e, f, g, ..] = bytes;
-    let sum = checksum(&bytes);
+    let (status, command) = (reply.status.number(), reply.command);
+    let sum = checksum(&[module, status, command, a, b, c, d]);
     let length = match length {
         Length::Seven => 7,
         Length::Eight => 8,
     };
-    Data { bytes: [e, f, g, a, b, c, d, sum], length }
+    Data { bytes: [module, status, command, a, b, c, d, sum], length }
 }
 
 /// The reply to command 136, type 0: all eight characters (TMCM-1311 §5.7.39).

@@ -163,10 +163,11 @@ pub(crate) struct Format {
 }
 
 fn tcp_address(text: &str) -> Result<String, String> {
-    let (host, port) = text.rsplit_once(':').unwrap_or(("127.0.0.1", text));
+    let (host, port) = text.rsplit_once(':').unwrap_or(("", text));
+    let host = if host.is_empty() { "127.0.0.1" } else { host };
     match port.parse::<u16>() {
-        Ok(port) if !host.is_empty() => Ok(format!("{host}:{port}")),
-        _ => Err("a host and a port from 0 to 65535 are expected, such as 127.0.0.1:5311".to_owned()),
+        Ok(port) => Ok(format!("{host}:{port}")),
+        Err(_) => Err("a host and a port from 0 to 65535 are expected, such as 127.0.0.1:5311".to_owned()),
     }
 }
 

@@ -158,10 +158,11 @@ impl Bench {
             let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
             let from = self.module(ModuleId(from_module));
             let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
-            if let Some(module) = self.module_mut(ModuleId(to_module)) {
-                let before = module.port(INPUTS, input) != 0;
+            if let Some(module) = self.module_mut(ModuleId(to_module))
+                && high != (module.port(INPUTS, input) != 0)
+            {
                 module.apply(Setting::Input { number: input, high });
-                changed |= before != high;
+                changed = true;
             }
         }
         changed

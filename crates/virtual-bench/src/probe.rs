@@ -32,7 +32,7 @@ pub enum Quantity {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ProbeError {
     /// No module of that name.
-    #[error("no module `{0}` on this bench; there are {1}")]
+    #[error("`{0}` names no module; put one of {1} and a dot before it")]
     Module(String, String),
     /// Nothing of that name on the module.
     #[error(
@@ -61,7 +61,7 @@ pub(crate) fn parse(name: &str, modules: &[(&str, &'static ModuleSpec)]) -> Resu
         None if modules.len() == 1 => Err(no_quantity(name)),
         None => {
             let names: Vec<_> = modules.iter().map(|(name, _)| *name).collect();
-            Err(ProbeError::Module(prefix.to_owned(), names.join(", ")))
+            Err(ProbeError::Module(name.to_owned(), names.join(", ")))
         }
     }
 }

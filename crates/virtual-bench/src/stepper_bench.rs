@@ -50,7 +50,7 @@ pub(crate) struct StepperBench {
     board: HeatedBody,
     surroundings: SurroundingsState,
     time_ns: u64,
-    /// Bridge heat since the temperatures were brought up to date: winding and bridges, in whole picojoules.
+    /// The heat of the windings, counted from power-on, when the temperatures were last brought up to date.
     heat_from_pj: i64,
     sensed: Sensed,
     /// The current vector that the firmware commands.

@@ -119,7 +119,8 @@ fn without_coolstep_the_same_step_stalls_at_the_low_current() {
 fn down_step_says_how_many_readings_lower_the_current() {
     for (down_step, readings) in [(0, 32.0), (1, 8.0), (2, 2.0), (3, 1.0)] {
         // At standstill and below AP 182 the current is full; from there on it falls.
-        let mut module = cool(&[(Ap::CoolstepDownStep, down_step), (Ap::CoolstepThresholdVelocity, 4 * TURN)]);
+        let mut module =
+            cool(&[(Ap::CoolstepDownStep, down_step), (Ap::CoolstepThresholdVelocity, 4 * TURN)]);
         module.ok(Command::RotateRight, 0, 0, 3 * TURN);
         module.run_ms(2000);
         assert_eq!(module.gap(Ap::CoolstepActualCurrent), 31);
@@ -132,7 +133,10 @@ fn down_step_says_how_many_readings_lower_the_current() {
         let expected_s = 16.0 * readings / READINGS_PER_S;
         // The first reading may be due at any time.
         let taken_s = f64::from(ticks) * 50e-6;
-        assert!((taken_s - expected_s).abs() < 1.5 / READINGS_PER_S + 0.01 * expected_s, "{taken_s} s, not {expected_s}");
+        assert!(
+            (taken_s - expected_s).abs() < 1.5 / READINGS_PER_S + 0.01 * expected_s,
+            "{taken_s} s, not {expected_s}"
+        );
     }
 }
 

@@ -25,7 +25,9 @@ fn set_output(bench: &mut Bench, module: usize, output: u8, level: i32) {
 
 #[test]
 fn an_event_acts_on_the_control_period_that_begins_at_its_time_or_next() {
-    for (at, begins_ns) in [("1.5s", 1_500_000_000), ("1500.01ms", 1_500_050_000), ("1500.05ms", 1_500_050_000), ("0s", 0)] {
+    for (at, begins_ns) in
+        [("1.5s", 1_500_000_000), ("1500.01ms", 1_500_050_000), ("1500.05ms", 1_500_050_000), ("0s", 0)]
+    {
         let mut bench = bench(&format!(
             "[[module]]\nkind = \"tmcm-1311\"\n[[event]]\nat = \"{at}\"\n\
              set = {{ \"load.torque_nm\" = 0.25, \"input.2\" = 1 }}\n"

@@ -64,7 +64,11 @@ mod driver {
             module.run_ms(20);
             assert_eq!(faults(&mut module), flags, "at {board_c} °C");
             assert_eq!(module.gap(Ap::ModuleTemperature), board_c as i32);
-            assert_eq!(module.gap(Ap::StatusWord) >> 11 & 1, i32::from(board_c >= 100.0), "AP 18 at {board_c} °C");
+            assert_eq!(
+                module.gap(Ap::StatusWord) >> 11 & 1,
+                i32::from(board_c >= 100.0),
+                "AP 18 at {board_c} °C"
+            );
             assert_eq!(currents_a(&module) != [0.0, 0.0], on, "bridges at {board_c} °C");
         }
         module.set("fault.board_temperature_c", "none");
@@ -75,7 +79,7 @@ mod driver {
     #[test]
     fn without_its_bridges_the_motor_coasts_while_the_module_counts_on() {
         let mut module = turning();
-        module.set("fault.board_temperature_c", 160);
+        module.set("fault.board_temperature_c", 150);
         let (turns, reported) = (module.turns(), module.gap(Ap::ActualPosition));
         module.run_ms(1000);
         assert_eq!(module.physical().velocity_rpm, 0.0, "friction stopped it");
@@ -110,14 +114,18 @@ mod driver {
     fn without_short_protection_one_half_wave_is_missing_and_nothing_is_said() {
         let mut module = turning();
         module.sap(Ap::ShortProtectionDisable, 1);
+        // So slow that a rotor that cannot follow induces next to nothing: 2.5 electrical periods a second.
+        module.ok(Command::RotateRight, 0, 0, TURN / 20);
+        module.run_ms(1000);
         module.set("fault.coil_short", "b");
+        module.run_ms(500);
         let (mut lowest_a, mut highest_a) = (0.0_f64, 0.0_f64);
-        for _ in 0..1000 {
+        for _ in 0..20_000 {
             module.run_ticks(1);
             let [_, b] = currents_a(&module);
             (lowest_a, highest_a) = (lowest_a.min(b), highest_a.max(b));
         }
-        assert!(highest_a > 2.0 && lowest_a > -1.0, "{lowest_a} to {highest_a} A");
+        assert!(highest_a > 2.0 && lowest_a > -0.7, "{lowest_a} to {highest_a} A");
         assert_eq!(faults(&mut module) & (flag::SHORT[0] | flag::SHORT[1]), 0);
     }
 
@@ -197,7 +205,10 @@ mod encoder {
             let (count, turns) = (module.gap(Ap::EncoderCounter), module.turns());
             module.run_ms(500);
             let counted = f64::from(module.gap(Ap::EncoderCounter) - count) / 40_000.0;
-            assert!((counted - (module.turns() - turns)).abs() < 5e-4, "line {line}: {counted} turns counted");
+            assert!(
+                (counted - (module.turns() - turns)).abs() < 5e-4,
+                "line {line}: {counted} turns counted"
+            );
         }
     }
 
@@ -212,9 +223,11 @@ mod encoder {
 
     #[test]
     fn resolution_and_direction_are_those_of_the_bench_file() {
-        for (encoder, counts_per_turn) in
-            [("counts = 4000", 4000.0), ("counts = 1024\ninverted = true", -1024.0), ("offset_turns = 0.3", 40_000.0)]
-        {
+        for (encoder, counts_per_turn) in [
+            ("counts = 4000", 4000.0),
+            ("counts = 1024\ninverted = true", -1024.0),
+            ("offset_turns = 0.3", 40_000.0),
+        ] {
             let mut module = Module::on(&format!("{BENCH}[module.encoder]\n{encoder}\n"));
             module.ok(Command::MoveToPosition, 0, 0, TURN);
             module.arrive();
@@ -228,7 +241,8 @@ mod encoder {
 mod home_switch {
     use super::*;
 
-    const WITH_HOME: &str = "[module.switches]\nhome = { at_turns = 0.5, width_turns = 0.2, bounce_ms = 3.0 }\n";
+    const WITH_HOME: &str =
+        "[module.switches]\nhome = { at_turns = 0.5, width_turns = 0.2, bounce_ms = 3.0 }\n";
 
     fn with_home() -> Module {
         Module::on(&format!("{BENCH}{WITH_HOME}"))
@@ -267,7 +281,10 @@ mod home_switch {
         let (first_ms, last_ms) = (changes[0] as f64 * 0.05, changes[changes.len() - 1] as f64 * 0.05);
         assert!(changes.len() > 5, "{} changes", changes.len());
         let pressed_ms = pressed_ms.expect("it comes to the switch");
-        assert!(first_ms >= pressed_ms && last_ms <= pressed_ms + 3.15, "{first_ms} to {last_ms}, {pressed_ms} ms");
+        assert!(
+            first_ms >= pressed_ms && last_ms <= pressed_ms + 3.15,
+            "{first_ms} to {last_ms}, {pressed_ms} ms"
+        );
         assert_eq!(levels.last(), Some(&1));
     }
 

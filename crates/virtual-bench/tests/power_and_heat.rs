@@ -42,14 +42,13 @@ fn the_current_of_the_supply_is_the_power_over_the_voltage() {
 
 #[test]
 fn braking_raises_the_bus() {
-    let mut module =
-        Module::on("[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 3e-4\n");
+    let mut module = Module::on("[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 2e-3\n");
     module.sap(Ap::MaxVelocity, 10 * TURN);
     module.sap(Ap::MaxAcceleration, 10 * TURN);
     module.ok(Command::RotateRight, 0, 0, 10 * TURN);
     module.run_ms(2000);
     assert!(module.physical().bus_voltage_v < 48.0);
-    let kinetic_j = 0.5 * (3e-4 + 275e-7) * (10.0 * std::f64::consts::TAU).powi(2);
+    let kinetic_j = 0.5 * (2e-3 + 275e-7) * (10.0 * std::f64::consts::TAU).powi(2);
     module.sap(Ap::MaxAcceleration, 20 * TURN);
     module.ok(Command::MotorStop, 0, 0, 0);
     let mut highest_v = 0.0_f64;
@@ -60,7 +59,7 @@ fn braking_raises_the_bus() {
     }
     // What copper, board and friction take in the half second is lost; the capacitor gets the rest.
     let charged_j = 0.5 * 2200e-6 * (highest_v * highest_v - 48.0 * 48.0);
-    assert!(highest_v > 48.5, "{highest_v} V");
+    assert!(highest_v > 50.0, "{highest_v} V");
     assert!(charged_j < kinetic_j, "{charged_j} J of {kinetic_j} J");
 }
 
@@ -132,13 +131,13 @@ mod switched_off {
             module.sap(Ap::MaxVelocity, 1000);
             module.ok(Command::StoreAxisParameter, Ap::MaxVelocity.number(), 0, 0);
             module.sap(Ap::MaxCurrent, 55);
-            module.sgp(GlobalParameter::HeartbeatTimeout, 77);
+            module.sgp(GlobalParameter::SerialHeartbeat, 77);
             module.set("power", power);
             module.run_ms(10);
             module.set("power", "on");
             assert_eq!(module.gap(Ap::MaxVelocity), 1000);
             assert_eq!(module.gap(Ap::MaxCurrent), 128);
-            assert_eq!(module.ggp(GlobalParameter::HeartbeatTimeout), 77);
+            assert_eq!(module.ggp(GlobalParameter::SerialHeartbeat), 77);
         }
     }
 
@@ -198,7 +197,11 @@ mod heat {
         module.bench.advance_by(1320 * SECOND_NS);
         let physical = module.physical();
         let expected_c = 25.0 + (warm_c - 25.0) * (-1.0_f64).exp();
-        assert!((physical.winding_temperature_c - expected_c).abs() < 0.01, "{}", physical.winding_temperature_c);
+        assert!(
+            (physical.winding_temperature_c - expected_c).abs() < 0.01,
+            "{}",
+            physical.winding_temperature_c
+        );
         assert!((physical.board_temperature_c - 25.0).abs() < 0.01, "{}", physical.board_temperature_c);
     }
 

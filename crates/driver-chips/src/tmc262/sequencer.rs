@@ -170,7 +170,10 @@ mod tests {
         let command = sequencer.advance(Coils::Direct([100, -300]));
         assert_eq!(command, Command { vector: [100, -248], before: [0, 0], changed: true, direction: 0 });
         let command = sequencer.advance(Coils::Direct([200, -248]));
-        assert_eq!(command, Command { vector: [200, -248], before: [100, -248], changed: true, direction: 1 });
+        assert_eq!(
+            command,
+            Command { vector: [200, -248], before: [100, -248], changed: true, direction: 1 }
+        );
         assert!(!sequencer.advance(Coils::Direct([200, -248])).changed);
     }
 

@@ -28,6 +28,10 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     let bench = Bench::new(&config);
     let recording = &options.recording;
     let recorder = match (&recording.trace, &recording.plot) {
+        (None, None) if recording.every.is_some() || !recording.column.is_empty() => {
+            let message = "--every and --column say what to record: add --trace FILE.csv or --plot FILE.svg";
+            return Err(Failure::new(Code::Usage, message).into());
+        }
         (None, None) => None,
         _ => Some(Arc::new(Mutex::new(Recorder::new(&bench, recording, SAMPLE_NS)?))),
     };

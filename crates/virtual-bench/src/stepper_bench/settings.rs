@@ -46,8 +46,10 @@ impl Surroundings for StepperBench {
             Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
             Setting::Power(power) => self.switch(power),
         }
-        // What changed may show at once, even if nothing moves.
+        // What changed may show at once, even if nothing moves; an index that the firmware has not seen yet stays.
+        let index_pending = self.sensed.encoder_index;
         self.sense();
+        self.sensed.encoder_index |= index_pending;
     }
 
     fn encoder_counts(&self) -> i32 {

@@ -1,6 +1,8 @@
 //! A host that talks to a virtual TMCM-1311 in process, and takes nothing that the wire format does not allow.
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
+pub(crate) mod motion;
+
 use std::fmt::Display;
 
 use tmcl_tables::tmcm_1311::AxisParameter;
