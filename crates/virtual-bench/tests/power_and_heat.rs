@@ -42,11 +42,12 @@ fn the_current_of_the_supply_is_the_power_over_the_voltage() {
 
 #[test]
 fn braking_raises_the_bus() {
-    let mut module = Module::on("[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 2e-3\n");
+    let mut module = Module::on("[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 2e-3\nviscous_nm_s_per_rad = 1e-3\n",
+    );
     module.sap(Ap::MaxVelocity, 10 * TURN);
     module.sap(Ap::MaxAcceleration, 10 * TURN);
     module.ok(Command::RotateRight, 0, 0, 10 * TURN);
-    module.run_ms(2000);
+    module.run_ms(3500);
     assert!(module.physical().bus_voltage_v < 48.0);
     let kinetic_j = 0.5 * (2e-3 + 275e-7) * (10.0 * std::f64::consts::TAU).powi(2);
     module.sap(Ap::MaxAcceleration, 20 * TURN);
@@ -59,7 +60,7 @@ fn braking_raises_the_bus() {
     }
     // What copper, board and friction take in the half second is lost; the capacitor gets the rest.
     let charged_j = 0.5 * 2200e-6 * (highest_v * highest_v - 48.0 * 48.0);
-    assert!(highest_v > 50.0, "{highest_v} V");
+    assert!(highest_v > 52.0, "{highest_v} V");
     assert!(charged_j < kinetic_j, "{charged_j} J of {kinetic_j} J");
 }
 
