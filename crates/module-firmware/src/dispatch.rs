@@ -95,7 +95,8 @@ impl<A: Axis> Firmware<A> {
             Command::SoftwareReset if value == CONFIRMATION => Ok(Outcome::Job(Job::Restart, value)),
             Command::SoftwareReset => Err(Status::InvalidValue),
             // No search runs, so none is stopped and none is active.
-            Command::ReferenceSearch if kind != 0 => Ok(Outcome::Done(0)),
+            Command::ReferenceSearch if kind == 1 => Ok(Outcome::Done(value)),
+            Command::ReferenceSearch if kind == 2 => Ok(Outcome::Done(0)),
             // Empty until a customer's firmware fills them.
             Command::UserFunction0
             | Command::UserFunction1

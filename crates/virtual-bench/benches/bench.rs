@@ -3,21 +3,48 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use tmcl_tables::Command;
+use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_wire::{Request, serial};
 use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
 
-fn bench(c: &mut Criterion) {
+/// µsteps in a turn at 256 µsteps per full step.
+const TURN: i32 = 51_200;
+
+const MODULE: ModuleId = ModuleId(0);
+const SECOND_NS: u64 = 1_000_000_000;
+
+fn send(bench: &mut Bench, command: Command, kind: u8, value: i32) {
+    let reply = bench.exchange(
+        MODULE,
+        PortId::ALL[0],
+        &serial::encode_request(1, Request::new(command, kind, 0, value)),
+    );
+    assert_eq!(reply.get(2), Some(&100), "status 100");
+}
+
+/// Turning for a while, its ramp over.
+fn turning(turns_per_s: i32) -> Bench {
     let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
-    c.bench_function("bench/1 s standing", |b| {
-        b.iter_batched_ref(|| bench.clone(), |bench| bench.advance_by(1_000_000_000), BatchSize::LargeInput);
-    });
-    let rotate = serial::encode_request(1, Request::new(Command::RotateRight, 0, 0, 51_200));
-    bench.exchange(ModuleId(0), PortId::ALL[0], &rotate);
-    bench.advance_by(2_000_000_000);
-    c.bench_function("bench/1 s turning", |b| {
-        b.iter_batched_ref(|| bench.clone(), |bench| bench.advance_by(1_000_000_000), BatchSize::LargeInput);
-    });
-    c.bench_function("bench/snapshot", |b| b.iter(|| bench.clone()));
+    send(&mut bench, Command::SetAxisParameter, AxisParameter::MaxVelocity.number(), 10 * TURN);
+    send(&mut bench, Command::SetAxisParameter, AxisParameter::MaxAcceleration.number(), 5 * TURN);
+    send(&mut bench, Command::RotateRight, 0, turns_per_s * TURN);
+    bench.advance_by(3 * SECOND_NS);
+    bench
+}
+
+fn bench(c: &mut Criterion) {
+    let mut second = |name: &str, bench: &Bench| {
+        c.bench_function(name, |b| {
+            b.iter_batched_ref(|| bench.clone(), |bench| bench.advance_by(SECOND_NS), BatchSize::LargeInput);
+        });
+    };
+    let mut standing = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
+    standing.advance_by(SECOND_NS); // currents, supply and driver chip have settled
+    second("bench/1 s standing", &standing);
+    second("bench/1 s moving at 1 turn/s", &turning(1));
+    let moving = turning(5);
+    second("bench/1 s moving at 5 turns/s", &moving);
+    c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 
 criterion_group!(benches, bench);

@@ -42,7 +42,8 @@ fn the_current_of_the_supply_is_the_power_over_the_voltage() {
 
 #[test]
 fn braking_raises_the_bus() {
-    let mut module = Module::on("[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 2e-3\nviscous_nm_s_per_rad = 1e-3\n",
+    let mut module = Module::on(
+        "[[module]]\nkind = \"tmcm-1311\"\n[module.load]\ninertia_kgm2 = 2e-3\nviscous_nm_s_per_rad = 1e-3\n",
     );
     module.sap(Ap::MaxVelocity, 10 * TURN);
     module.sap(Ap::MaxAcceleration, 10 * TURN);

@@ -157,7 +157,7 @@ pub enum GlobalParameter {
     CoordinateStorage,
     /// Whether user variables come back from the EEPROM at power-on or start at 0.
     DoNotRestoreVariables,
-    /// Second address the module answers to in serial datagrams; 0 = none.
+    /// Second serial address: commands to it are executed but not answered; 0 = off.
     SerialSecondaryAddress,
     /// Which of the two bus interfaces is in use beside USB.
     InterfaceSelection,

@@ -4203,7 +4203,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 40] = [
             number: 87,
             name: "Serial secondary address",
             id: "serial_secondary_address",
-            summary: "Second address the module answers to in serial datagrams; 0 = none",
+            summary: "Second serial address: commands to it are executed but not answered; 0 = off",
             unit: "",
             closed_loop_unit: "",
             range: ValueSet { intervals: &[(0, 255)], step: 1 },
