@@ -236,7 +236,7 @@ impl Bench {
         self.apply(module, Setting::Power(Power::Cycle));
     }
 
-    /// What `name` means on this bench: see [`probe`](crate::probe).
+    /// What `name` means on this bench: a column of a trace, an expectation, something to watch.
     ///
     /// # Errors
     /// [`ProbeError`] when it means nothing.

@@ -1,7 +1,7 @@
 //! The bench file: which modules stand on the bench, what they drive, how they are wired, and what happens to them.
 //!
 //! [`parse`] takes the text of a `bench.toml` and gives plain values, or everything that is wrong with it, each with its
-//! place in the text and what is allowed there. [`parse_setting`] reads the same names that events use, one at a time.
+//! place in the text and what is allowed there. [`parse_setting()`] reads the same names that events use, one at a time.
 //! `docs/bench-file.md` is the reference for people.
 //!
 //! Figures come as the types of `motor-physics` that take them. This module must never know files or firmware.
