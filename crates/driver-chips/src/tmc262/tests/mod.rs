@@ -75,11 +75,11 @@ impl Turning {
         [libm::round(248.0 * libm::cos(angle)) as i16, libm::round(248.0 * libm::sin(angle)) as i16]
     }
 
-    /// One control period at a load angle.
+    /// One control period at a load angle: as it begins, the rotor is that far behind the vector of the one before.
     fn period(&mut self, load_rad: f64) -> [Terminal; 2] {
-        self.phase += self.pins.rotor_velocity_rps * POLE_PAIRS * TAU * PERIOD_S;
         let emf_v = KM * self.pins.rotor_velocity_rps * TAU;
         let rotor = self.phase - load_rad;
+        self.phase += self.pins.rotor_velocity_rps * POLE_PAIRS * TAU * PERIOD_S;
         self.pins.back_emf_v = [-emf_v * libm::sin(rotor), emf_v * libm::cos(rotor)];
         self.registers.coils = Coils::Direct(Self::vector(self.phase));
         self.chip.advance(&self.registers, &self.pins, PERIOD_S)
