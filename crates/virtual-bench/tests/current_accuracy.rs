@@ -191,7 +191,7 @@ fn when_the_current_changes() {
 fn when_the_supply_dips() {
     for (name, parameters) in presets::STEPPERS {
         assert_accurate(&format!("{name} on a dip"), parameters, 0.8, |time_s| Input {
-            source_v: if (0.3..0.6).contains(&time_s) { 14.0 } else { 48.0 },
+            source_v: if (0.3..0.45).contains(&time_s) { 14.0 } else { 48.0 },
             ..turning(time_s, 10.0)
         });
     }
