@@ -269,8 +269,9 @@ fn wrapped(angle_rad: f64) -> f64 {
     angle_rad - libm::round(angle_rad / TAU) * TAU
 }
 
+/// The nearest whole number, halves away from 0.
 fn rounded(value: f64) -> i16 {
-    libm::round(value) as i16
+    (value + libm::copysign(0.5, value)) as i16
 }
 
 fn seconds(time_ns: u64) -> f64 {
