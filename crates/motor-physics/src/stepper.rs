@@ -48,6 +48,10 @@ const MAX_STOPS: usize = 4;
 /// Halvings of a step to find the instant of a stop: to 50 ns in 50 µs.
 const BISECTIONS: usize = 10;
 
+/// How far the rotor may turn, electrically, in a part of a step; and the most parts of a step.
+const PART_RAD: f64 = 0.5;
+const MAX_PARTS: f64 = 31.0;
+
 /// Changes smaller than these are none, so that a motor at rest comes to rest.
 const CURRENT_RESOLUTION_A: f64 = 1e-9;
 const VELOCITY_RESOLUTION_RAD_S: f64 = 1e-9;
@@ -130,11 +134,24 @@ impl Stepper {
     /// A step with the terminals held and `load_torque_nm` from outside. Returns whether anything but time changed.
     pub fn advance(&mut self, terminals: [Terminal; 2], load_torque_nm: f64, dt_s: f64) -> bool {
         let before = (self.angle, self.velocity_rad_s, self.currents_a);
-        let voltages = self.voltages(terminals);
-        let next = self.stepped(voltages, load_torque_nm, dt_s);
-        self.settle(next, terminals, voltages);
-        self.energy = self.energy.plus(self.step_energy, 1);
+        let parts = self.parts(dt_s);
+        let mut energy = Energy::default();
+        for _ in 0..parts {
+            let voltages = self.voltages(terminals);
+            let next = self.stepped(voltages, load_torque_nm, dt_s / f64::from(parts));
+            self.settle(next, terminals, voltages);
+            energy = energy.plus(self.step_energy, 1);
+        }
+        self.step_energy = energy;
+        self.energy = self.energy.plus(energy, 1);
         before != (self.angle, self.velocity_rad_s, self.currents_a)
+    }
+
+    /// Into how many parts a step is cut, so that the rotor turns by no more than half an electrical radian in each. One, but
+    /// for a rotor that a load drags along faster than any field could.
+    fn parts(&self, dt_s: f64) -> u32 {
+        let turned_rad = libm::fabs(self.velocity_rad_s) * self.parameters.pole_pairs * dt_s;
+        1 + (turned_rad / PART_RAD).min(MAX_PARTS) as u32
     }
 
     /// The state after a step, which is cut where friction stops the shaft: put off to the end of the step, a change of its
@@ -151,15 +168,40 @@ impl Stepper {
             let friction =
                 self.mechanics.friction(velocity(state), coefficients.torque_at(state) + load_torque_nm);
             let after = |dt_s| integrated(state, dt_s, friction);
+            let stops = |state| friction.would_drive(velocity(state));
             let reached = after(left_s);
-            if !friction.would_drive(velocity(reached)) {
+            if !stops(reached) && !self.is_beyond_travel(reached) {
                 return reached;
             }
-            let stop_s = first_time(left_s, |time_s| friction.would_drive(velocity(after(time_s))));
-            state = stopped(after(stop_s));
+            let stop_s = first_time(left_s, |time_s| {
+                let state = after(time_s);
+                stops(state) || self.is_beyond_travel(state)
+            });
+            let there = after(stop_s);
+            state = if stops(there) { with_velocity(there, 0.0) } else { self.bounced(there) };
             left_s -= stop_s;
         }
         integrated(state, left_s, Friction::Sticks)
+    }
+
+    /// Whether a state lies beyond an end of travel and leads further away.
+    fn is_beyond_travel(&self, state: State) -> bool {
+        let velocity_rad_s = velocity(state);
+        self.mechanics.within_travel(self.turns_in(state), velocity_rad_s).1 != velocity_rad_s
+    }
+
+    /// A state at an end of travel with the velocity turned round, and the energy that the end swallows counted as friction.
+    fn bounced(&self, state: State) -> State {
+        let (_, velocity_rad_s) = self.mechanics.within_travel(self.turns_in(state), velocity(state));
+        let swallowed_j =
+            self.mechanics.kinetic_j(velocity(state)) - self.mechanics.kinetic_j(velocity_rad_s);
+        let [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j, load_j] =
+            with_velocity(state, velocity_rad_s);
+        [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j + swallowed_j, load_j]
+    }
+
+    fn turns_in(&self, [_, _, _, turned_rad, ..]: State) -> f64 {
+        self.angle.advanced_to(self.angle.electrical_rad() + turned_rad).turns(self.parameters.pole_pairs)
     }
 
     /// `steps` further steps like the last one, in which nothing changed: only energy goes on.
@@ -292,13 +334,13 @@ impl Coefficients {
     }
 }
 
-fn velocity([_, _, velocity, ..]: State) -> f64 {
-    velocity
+/// The state with the shaft at another velocity.
+fn with_velocity([a, b, _, turned_rad, electrical, copper, friction, load]: State, velocity: f64) -> State {
+    [a, b, velocity, turned_rad, electrical, copper, friction, load]
 }
 
-/// The state with the shaft at a stop.
-fn stopped([a, b, _, turned_rad, electrical, copper, friction, load]: State) -> State {
-    [a, b, 0.0, turned_rad, electrical, copper, friction, load]
+fn velocity([_, _, velocity, ..]: State) -> f64 {
+    velocity
 }
 
 /// The first time at which `holds`, which holds at `latest_s`.

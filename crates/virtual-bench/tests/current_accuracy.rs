@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use driver_chips::tmc262::{Board, CoilFault, Coils, Pins, Registers, Tmc262};
-use motor_physics::mechanics::Mechanics;
+use motor_physics::mechanics::{HardStops, Mechanics};
 use motor_physics::presets;
 use motor_physics::stepper::{Stepper, StepperParameters};
 use motor_physics::supply::{Supply, SupplyParameters};
@@ -18,6 +18,7 @@ const PERIOD_S: f64 = 50e-6;
 const BOUND_A: f64 = 5e-3;
 
 /// Chip, motor and supply, with so many steps in a control period.
+#[derive(Clone)]
 struct Run {
     chip: Tmc262,
     motor: Stepper,
@@ -107,17 +108,27 @@ fn assert_accurate(
     duration_s: f64,
     input: impl Fn(f64) -> Input,
 ) {
-    let [mut coarse, mut fine] = [1, 50].map(|steps| Run::new(*parameters, steps));
+    let runs = [1, 50].map(|steps| Run::new(*parameters, steps));
+    assert_runs_agree(what, runs, duration_s, input);
+}
+
+#[track_caller]
+fn assert_runs_agree(what: &str, runs: [Run; 2], duration_s: f64, input: impl Fn(f64) -> Input) {
+    let [mut coarse, mut fine] = runs;
     let mut worst_a = 0.0_f64;
     for period in 0..(duration_s / PERIOD_S) as u32 {
         let input = input(f64::from(period) * PERIOD_S);
         coarse.period(input);
         fine.period(input);
-        for (coarse_a, fine_a) in coarse.motor.currents_a.iter().zip(fine.motor.currents_a) {
-            worst_a = worst_a.max((coarse_a - fine_a).abs());
-        }
+        worst_a = worst_a.max(difference_a(&coarse, &fine));
     }
     assert!(worst_a < BOUND_A, "{what}: {:.3} mA", worst_a * 1e3);
+}
+
+/// The largest difference of a phase current.
+fn difference_a(coarse: &Run, fine: &Run) -> f64 {
+    let [a, b] = [0, 1].map(|coil| (coarse.motor.currents_a[coil] - fine.motor.currents_a[coil]).abs());
+    a.max(b)
 }
 
 /// The electrical angle of a field that speeds up to `turns_per_s` within `ramp_s` and goes on.
@@ -194,5 +205,37 @@ fn when_the_supply_dips() {
             source_v: if (0.3..0.45).contains(&time_s) { 14.0 } else { 48.0 },
             ..turning(time_s, 10.0)
         });
+    }
+}
+
+#[test]
+fn at_a_wall() {
+    for (name, parameters) in presets::STEPPERS {
+        let mut runs = [1, 50].map(|steps| Run::new(*parameters, steps));
+        for run in &mut runs {
+            let stops = HardStops { low_turns: -1.0, high_turns: 0.2, restitution: 0.3 };
+            run.motor.mechanics.hard_stops = Some(stops);
+        }
+        assert_runs_agree(&format!("{name} at a wall"), runs, 0.6, |time_s| turning(time_s, 1.0));
+    }
+}
+
+/// A load that has torn the rotor away drags it along, faster than any field turns. Where it is caught again is a matter of
+/// chance, so each control period is compared by itself.
+#[test]
+fn dragged_along_by_the_load() {
+    for (name, parameters) in presets::STEPPERS {
+        let mut coarse = Run::new(*parameters, 1);
+        let (mut worst_a, mut fastest_rad_s) = (0.0_f64, 0.0_f64);
+        for period in 0..12_000 {
+            let load_nm = if (6_000..9_000).contains(&period) { -1.5 * pull_out_nm(parameters) } else { 0.0 };
+            let input = Input { load_nm, ..turning(f64::from(period) * PERIOD_S, 2.0) };
+            let mut fine = Run { steps: 50, ..coarse.clone() };
+            coarse.period(input);
+            fine.period(input);
+            worst_a = worst_a.max(difference_a(&coarse, &fine));
+            fastest_rad_s = fastest_rad_s.max(coarse.motor.velocity_rad_s.abs());
+        }
+        assert!(worst_a < BOUND_A && fastest_rad_s > 300.0, "{name}: {worst_a} A at {fastest_rad_s} rad/s");
     }
 }
