@@ -14,16 +14,38 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("motor-physics", &[]),
     ("driver-chips", &["motor-physics"]),
     ("tmcl-wire", &["tmcl-tables"]),
-    ("module-firmware", &["tmcl-tables", "tmcl-wire", "motion-control"]),
+    ("tmcl-vm", &["tmcl-tables", "tmcl-wire"]),
+    ("tmcl-lang", &["tmcl-tables"]),
+    ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
     ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
+    ("tmcl-link", &[]),
+    ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
     ("tmcl-server", &["virtual-bench"]),
-    ("tmcl", &["tmcl-tables", "tmcl-wire", "tmcl-server", "virtual-bench"]),
+    (
+        "tmcl",
+        &[
+            "tmcl-tables",
+            "tmcl-wire",
+            "tmcl-lang",
+            "tmcl-link",
+            "tmcl-client",
+            "tmcl-server",
+            "virtual-bench",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
 /// Crates that must build without `std`: `#![no_std]` stands in their root, and nothing they import needs it.
-const NO_STD: &[&str] =
-    &["tmcl-tables", "motion-control", "motor-physics", "driver-chips", "tmcl-wire", "module-firmware"];
+const NO_STD: &[&str] = &[
+    "tmcl-tables",
+    "motion-control",
+    "motor-physics",
+    "driver-chips",
+    "tmcl-wire",
+    "tmcl-vm",
+    "module-firmware",
+];
 
 /// What the `no_std` crates may import from outside.
 const NO_STD_LIBRARIES: &[&str] = &["libm", "thiserror"];

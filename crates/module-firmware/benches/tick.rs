@@ -2,6 +2,7 @@
 #![allow(missing_docs, reason = "criterion's macros make undocumented items")]
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
+use module_firmware::Events;
 use module_firmware::tmcm_1311::{Sensed, Tmcm1311};
 use module_firmware::{Axis, Motion};
 
@@ -10,12 +11,16 @@ fn tick(c: &mut Criterion) {
         let mut axis = Tmcm1311::default();
         axis.motion(motion).expect("open loop moves");
         for _ in 0..ticks {
-            axis.tick(&Sensed::default());
+            axis.tick(&Sensed::default(), &mut Events::default());
         }
         c.bench_function(&format!("tmcm-1311/1000 ticks {name}"), |b| {
             b.iter_batched_ref(
                 || axis.clone(),
-                |axis| (0..1000).fold(0, |sum, _| sum + i32::from(axis.tick(&Sensed::default()).coils[0])),
+                |axis| {
+                    (0..1000).fold(0, |sum, _| {
+                        sum + i32::from(axis.tick(&Sensed::default(), &mut Events::default()).coils[0])
+                    })
+                },
                 BatchSize::SmallInput,
             );
         });

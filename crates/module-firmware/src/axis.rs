@@ -1,6 +1,10 @@
 //! All that differs between modules: their parameters, ports and motion. No bytes, no storage.
 
-use tmcl_tables::{ModuleSpec, Status};
+use tmcl_tables::{Interrupt, ModuleSpec, Status};
+use tmcl_vm::WaitEvent;
+
+use crate::events::Events;
+use crate::program_memory::ProgramMemory;
 
 /// What a motion command asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,8 +54,11 @@ pub trait Axis: Clone + Default {
     /// What its power stage and outputs shall do.
     type Drive: Copy + Default;
 
-    /// One control period of 50 µs. Constant work.
-    fn tick(&mut self, sensed: &Self::Sensed) -> Self::Drive;
+    /// The memory of its stand-alone program.
+    type Programs: ProgramMemory + core::fmt::Debug;
+
+    /// One control period of 50 µs. Constant work. What happened that the parameters do not show goes to `events`.
+    fn tick(&mut self, sensed: &Self::Sensed, events: &mut Events) -> Self::Drive;
     /// Whether another control period with these sensors would change nothing and command the same.
     fn is_idle(&self, sensed: &Self::Sensed) -> bool;
     /// The value of a parameter.
@@ -70,6 +77,12 @@ pub trait Axis: Clone + Default {
     fn actual_position(&self) -> i32;
     /// Whether the target position is reached, for command 138.
     fn is_position_reached(&self) -> bool;
+    /// Whether what a WAIT waits for is the case.
+    fn has_happened(&self, event: WaitEvent) -> bool;
+    /// The level whose edges raise an interrupt; false for those that have none.
+    fn level(&self, interrupt: Interrupt) -> bool;
+    /// Global parameter 79: whether the polarity of the end switches is reversed.
+    fn set_end_switch_polarity(&mut self, reversed: bool);
     /// The port with this bank and number.
     fn port(bank: u8, number: u8) -> Option<Self::Port>;
     /// The state or reading of a port.

@@ -12,7 +12,10 @@ use tmcl_tables::{Access, Command, Mode, MotorField, ParameterSpec, Status, Type
 use tmcl_wire::Request;
 
 use crate::axis::{Axis, Motion};
-use crate::firmware::{Firmware, Job};
+use crate::firmware::Firmware;
+use crate::jobs::Job;
+use crate::port::PortId;
+use crate::program_memory::Instruction;
 use crate::storage::RecordKey;
 
 /// The value that commands 137 and 255 want to see.
@@ -24,6 +27,24 @@ pub(crate) const POSITION_REACHED_MASK: i32 = 1;
 /// The motor byte of SCO and GCO that means the EEPROM.
 const COORDINATES_IN_EEPROM: u8 = 255;
 
+/// Who wants something executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// A host at a port: direct mode.
+    Host(PortId),
+    /// The stand-alone program.
+    Program,
+}
+
+impl Origin {
+    fn mode(self) -> Mode {
+        match self {
+            Self::Host(_) => Mode::Direct,
+            Self::Program => Mode::Program,
+        }
+    }
+}
+
 /// What a request led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -33,6 +54,10 @@ pub(crate) enum Outcome {
     Job(Job, i32),
     /// The storage has to do something, and there is no reply.
     SilentJob(Job),
+    /// An instruction was taken into the program; the storage has to keep it before the reply with this value.
+    Loaded(Job, i32),
+    /// The special reply of command 134.
+    Instruction(Instruction),
     /// The special reply of command 136.
     VersionString,
     /// The reply of command 138, and another when the target position is reached.
@@ -44,9 +69,12 @@ pub(crate) enum Outcome {
 type Executed = Result<Outcome, Status>;
 
 impl<A: Axis> Firmware<A> {
-    /// Executes a request that came from a host.
-    pub(crate) fn execute(&mut self, request: &Request) -> Executed {
-        let command = admit::<A>(request)?;
+    /// Executes a request, whoever it comes from.
+    pub(crate) fn execute(&mut self, request: &Request, origin: Origin) -> Executed {
+        if let Some(stored) = self.store_instruction(request, origin) {
+            return stored;
+        }
+        let command = admit::<A>(request, origin.mode())?;
         let &Request { kind, value, .. } = request;
         match command {
             Command::RotateRight => self.rotate(value, value),
@@ -64,29 +92,48 @@ impl<A: Axis> Firmware<A> {
             Command::SetOutput => self.set_output(request),
             Command::GetInput => self.get_input(request),
             Command::Calculate => {
-                self.registers.calculate(kind, value);
-                Ok(Outcome::Done(self.registers.accumulator))
+                self.vm.registers.calculate(kind, value).ok_or(Status::WrongType)?;
+                Ok(Outcome::Done(self.vm.registers.accumulator))
             }
             Command::CalculateX => {
-                self.registers.calculate_x(kind);
-                Ok(Outcome::Done(self.registers.accumulator))
+                self.vm.registers.calculate_x(kind).ok_or(Status::WrongType)?;
+                Ok(Outcome::Done(self.vm.registers.accumulator))
             }
             Command::SetCoordinate => self.set_coordinate(request),
             Command::GetCoordinate => self.get_coordinate(request),
             Command::CaptureCoordinate => self.write_coordinate(kind, self.axis.actual_position(), value),
             Command::AccumulatorToCoordinate => {
-                let accumulator = self.registers.accumulator;
+                let accumulator = self.vm.registers.accumulator;
                 self.write_coordinate(kind, accumulator, accumulator)
             }
             Command::AccumulatorToAxisParameter => {
-                let accumulator = self.registers.accumulator;
+                let accumulator = self.vm.registers.accumulator;
                 self.set_axis_parameter(kind, accumulator).map(|()| Outcome::Done(accumulator))
             }
             Command::AccumulatorToGlobalParameter => {
-                let accumulator = self.registers.accumulator;
+                let accumulator = self.vm.registers.accumulator;
                 self.set_global_parameter(request, accumulator, accumulator)
             }
-            Command::ApplicationStatus => Ok(Outcome::Done(0)),
+            Command::ApplicationStop => {
+                self.vm.stop();
+                Ok(Outcome::Done(value))
+            }
+            Command::ApplicationRun => self.run_application(kind, value),
+            Command::ApplicationStep => Ok(self.step_application(value)),
+            Command::ApplicationReset => {
+                self.vm.reset();
+                Ok(Outcome::Done(value))
+            }
+            Command::DownloadStart => match origin {
+                Origin::Host(port) => self.start_download(port, value),
+                Origin::Program => Err(Status::NotAvailable),
+            },
+            Command::DownloadEnd => {
+                self.download = None;
+                Ok(Outcome::Done(value))
+            }
+            Command::ReadProgramMemory => self.read_program(value),
+            Command::ApplicationStatus => Ok(self.application_status()),
             Command::FirmwareVersion if kind == 0 => Ok(Outcome::VersionString),
             Command::FirmwareVersion => Ok(Outcome::Done(A::SPEC.version_number())),
             Command::FactoryReset => self.factory_reset(value),
@@ -106,8 +153,8 @@ impl<A: Axis> Firmware<A> {
             | Command::UserFunction5
             | Command::UserFunction6
             | Command::UserFunction7 => Err(Status::InvalidCommand),
-            // Reference search, stand-alone programs and the ASCII interface are still to come (docs/fidelity.md); the
-            // flow control of programs is never available to a host.
+            // Reference search and the ASCII interface are still to come (docs/fidelity.md). Flow control is never available
+            // to a host, and in a program it is the interpreter's.
             Command::ReferenceSearch
             | Command::Compare
             | Command::JumpConditional
@@ -121,13 +168,6 @@ impl<A: Axis> Firmware<A> {
             | Command::ClearErrorFlags
             | Command::SetInterruptVector
             | Command::ReturnFromInterrupt
-            | Command::ApplicationStop
-            | Command::ApplicationRun
-            | Command::ApplicationStep
-            | Command::ApplicationReset
-            | Command::DownloadStart
-            | Command::DownloadEnd
-            | Command::ReadProgramMemory
             | Command::EnterAsciiMode => Err(Status::NotAvailable),
         }
     }
@@ -190,10 +230,10 @@ impl<A: Axis> Firmware<A> {
     }
 }
 
-/// Whether the module has the command, a host may send it, its named type exists, and its motor is motor 0.
-fn admit<A: Axis>(request: &Request) -> Result<Command, Status> {
+/// Whether the module has the command in this mode, its named type exists, and its motor is motor 0.
+fn admit<A: Axis>(request: &Request, mode: Mode) -> Result<Command, Status> {
     let entry = A::SPEC.command(request.command).ok_or(Status::InvalidCommand)?;
-    if !entry.modes.allow(Mode::Direct) {
+    if !entry.modes.allow(mode) {
         return Err(Status::NotAvailable);
     }
     if entry.spec.type_field == TypeField::Named && !entry.types.contains(&request.kind) {

@@ -1,15 +1,17 @@
 //! The module as a state machine: bytes, ticks, and work in the background.
 
 use tmcl_tables::{Command, GlobalParameter, Status};
+use tmcl_vm::{Halt, NeverHalt, Vm};
 use tmcl_wire::{Event, Reply, Request};
 
+use crate::application::{Download, Halted, ProgramJob, Refusal};
 use crate::axis::Axis;
-use crate::calculator::Registers;
 use crate::coordinates::Coordinates;
-use crate::dispatch::{Outcome, POSITION_REACHED_MASK};
+use crate::dispatch::{Origin, Outcome, POSITION_REACHED_MASK};
+use crate::events::{Events, Sources};
 use crate::globals::Globals;
+use crate::jobs::Pending;
 use crate::port::{Envelope, PORTS, Port, PortId};
-use crate::storage::{RecordKey, Storage, StorageError, read_value, write_value};
 
 /// A module.
 #[derive(Clone, Debug)]
@@ -17,48 +19,16 @@ pub struct Firmware<A: Axis> {
     pub(crate) axis: A,
     pub(crate) globals: Globals,
     pub(crate) coordinates: Coordinates,
-    pub(crate) registers: Registers,
+    pub(crate) vm: Vm,
+    pub(crate) programs: A::Programs,
+    pub(crate) download: Option<Download>,
+    pub(crate) program_job: Option<ProgramJob>,
+    pub(crate) refusal: Option<Refusal>,
+    pub(crate) sources: Sources,
+    pub(crate) instructions_per_tick: u16,
     pub(crate) ticks: u64,
-    ports: [Port; PORTS],
-    pending: Option<Pending>,
-}
-
-/// A request whose reply waits for the storage.
-#[derive(Clone, Copy, Debug)]
-struct Pending {
-    port: PortId,
-    envelope: Envelope,
-    reply: Reply,
-    job: Job,
-}
-
-/// What the storage shall do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Job {
-    /// Write a record.
-    Write(RecordKey, i32),
-    /// Read an axis parameter back, or its default where none is stored.
-    RestoreAxisParameter(u8),
-    /// Read a user variable back, or 0 where none is stored.
-    RestoreVariable(u8),
-    /// Write coordinates `next..=last`, one a call.
-    StoreCoordinates { next: u8, last: u8 },
-    /// Read coordinates `first..=last` back.
-    RestoreCoordinates { first: u8, last: u8 },
-    /// Spoil the magic number and start anew, which finds the spoiled number and takes the factory settings.
-    FactoryReset,
-    /// Start anew.
-    Restart,
-}
-
-/// How far a job got in one call.
-enum Progress {
-    /// Call again with this.
-    More(Job),
-    /// Done.
-    Done,
-    /// Done, and everything starts anew.
-    Restart,
+    pub(crate) ports: [Port; PORTS],
+    pub(crate) pending: Option<Pending>,
 }
 
 impl<A: Axis> Firmware<A> {
@@ -68,7 +38,13 @@ impl<A: Axis> Firmware<A> {
             axis,
             globals,
             coordinates,
-            registers: Registers::default(),
+            vm: Vm::default(),
+            programs: A::Programs::default(),
+            download: None,
+            program_job: None,
+            refusal: None,
+            sources: Sources::default(),
+            instructions_per_tick: 1,
             ticks: 0,
             ports: [const { Port::new() }; PORTS],
             pending: None,
@@ -77,16 +53,41 @@ impl<A: Axis> Firmware<A> {
 
     /// One control period of 50 µs: what the sensors say comes in, what the power stage shall do goes out.
     pub fn tick(&mut self, sensed: &A::Sensed) -> A::Drive {
+        // Nothing halts here.
+        let _ = self.run_program(&mut NeverHalt);
+        self.drive(sensed)
+    }
+
+    /// [`Firmware::tick`] with a debugger that looks on.
+    ///
+    /// # Errors
+    /// [`Halted`] when it wants to look before an instruction. No time has passed then; a call of [`Firmware::tick`] goes on
+    /// as if nobody had looked.
+    pub fn tick_unless(
+        &mut self,
+        sensed: &A::Sensed,
+        halt: &mut impl Halt<Self>,
+    ) -> Result<A::Drive, Halted> {
+        self.run_program(halt)?;
+        Ok(self.drive(sensed))
+    }
+
+    fn drive(&mut self, sensed: &A::Sensed) -> A::Drive {
         self.ticks = self.ticks.wrapping_add(1);
-        let drive = self.axis.tick(sensed);
+        let mut events = Events::default();
+        let drive = self.axis.tick(sensed, &mut events);
+        if events != Events::default() {
+            self.take_note(events);
+        }
         self.report_position_reached();
         drive
     }
 
-    /// Whether another control period with these sensors would change nothing but the time.
+    /// Whether another control period with these sensors would change nothing but the time, at least for
+    /// [`Firmware::quiet_ticks`] of them.
     #[must_use]
     pub fn is_idle(&self, sensed: &A::Sensed) -> bool {
-        self.pending.is_none() && self.axis.is_idle(sensed)
+        self.pending.is_none() && self.program_rests() && self.axis.is_idle(sensed)
     }
 
     /// Lets `ticks` control periods pass in which nothing changes ([`Firmware::is_idle`]).
@@ -101,6 +102,11 @@ impl<A: Axis> Firmware<A> {
         for port in &mut self.ports {
             port.silence_ticks = ticks;
         }
+    }
+
+    /// How many instructions of a program a control period executes; 1 by default (decision: the manuals are silent).
+    pub fn set_instructions_per_tick(&mut self, instructions: u16) {
+        self.instructions_per_tick = instructions;
     }
 
     /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later.
@@ -129,28 +135,12 @@ impl<A: Axis> Firmware<A> {
         if let Some(port) = self.port_mut(port) {
             port.clear();
         }
+        if self.download.is_some_and(|download| download.port == port) {
+            self.download = None;
+        }
         if let Some(pending) = self.pending.as_mut().filter(|pending| pending.port == port) {
             pending.envelope.answer = false;
         }
-    }
-
-    /// What takes long: at most one record is written, and then its reply sent. True while there is more to do.
-    pub fn background<S: Storage>(&mut self, storage: &mut S) -> bool {
-        if let Some(pending) = self.pending.take() {
-            self.work(pending, storage);
-        }
-        if self.pending.is_none() {
-            PortId::ALL.into_iter().for_each(|port| self.serve(port));
-            // Events that found no room may find some now.
-            self.report_position_reached();
-        }
-        self.pending.is_some()
-    }
-
-    /// Whether [`Firmware::background`] has something to do.
-    #[must_use]
-    pub fn has_background_work(&self) -> bool {
-        self.pending.is_some()
     }
 
     /// The axis, for those who look on.
@@ -164,8 +154,8 @@ impl<A: Axis> Firmware<A> {
     }
 
     /// Executes what waits in a port's inbox, until a request has to wait for the storage.
-    fn serve(&mut self, port: PortId) {
-        while self.pending.is_none() {
+    pub(crate) fn serve(&mut self, port: PortId) {
+        while !self.has_background_work() {
             let address = self.globals.byte(GlobalParameter::SerialAddress);
             let secondary = self.globals.byte(GlobalParameter::SerialSecondaryAddress);
             let ticks = self.ticks;
@@ -184,7 +174,7 @@ impl<A: Axis> Firmware<A> {
     fn serve_request(&mut self, port: PortId, address: u8, request: &Request) {
         let envelope = self.envelope(address, is_suppress_reply(request));
         let reply = |status, value| Reply { status, command: request.command, value };
-        match self.execute(request) {
+        match self.execute(request, Origin::Host(port)) {
             Err(status) => self.answer(port, envelope, reply(status, 0)),
             Ok(Outcome::Done(value)) => self.answer(port, envelope, reply(Status::Ok, value)),
             Ok(Outcome::VersionString) => {
@@ -199,6 +189,11 @@ impl<A: Axis> Firmware<A> {
                 }
                 self.report_position_reached();
             }
+            Ok(Outcome::Instruction(instruction)) => {
+                if let Some(port) = self.port_mut(port) {
+                    port.instruction(envelope, instruction);
+                }
+            }
             Ok(Outcome::Silence) => {}
             Ok(Outcome::SilentJob(job)) => {
                 let envelope = Envelope { answer: false, ..envelope };
@@ -206,6 +201,9 @@ impl<A: Axis> Firmware<A> {
             }
             Ok(Outcome::Job(job, value)) => {
                 self.pending = Some(Pending { port, envelope, reply: reply(Status::Ok, value), job });
+            }
+            Ok(Outcome::Loaded(job, value)) => {
+                self.pending = Some(Pending { port, envelope, reply: reply(Status::Loaded, value), job });
             }
         }
     }
@@ -220,14 +218,14 @@ impl<A: Axis> Firmware<A> {
         }
     }
 
-    fn answer(&mut self, port: PortId, envelope: Envelope, reply: Reply) {
+    pub(crate) fn answer(&mut self, port: PortId, envelope: Envelope, reply: Reply) {
         if let Some(port) = self.port_mut(port) {
             port.reply(envelope, reply);
         }
     }
 
     /// The second reply of command 138 (TMCM-1311 §5.7.37), one for each request, under the addresses that count by now.
-    fn report_position_reached(&mut self) {
+    pub(crate) fn report_position_reached(&mut self) {
         if self.ports.iter().all(|port| port.awaits_position == 0) || !self.axis.is_position_reached() {
             return;
         }
@@ -243,59 +241,6 @@ impl<A: Axis> Firmware<A> {
                 port.awaits_position -= 1;
             }
         }
-    }
-
-    fn work<S: Storage>(&mut self, pending: Pending, storage: &mut S) {
-        let Pending { port, envelope, reply, job } = pending;
-        match self.step(job, storage) {
-            Ok(Progress::More(job)) => self.pending = Some(Pending { job, ..pending }),
-            Ok(Progress::Done) => self.answer(port, envelope, reply),
-            Ok(Progress::Restart) => {
-                self.answer(port, envelope, reply);
-                self.restart(storage);
-            }
-            Err(_) => {
-                let refusal = Reply { status: Status::NotAvailable, value: 0, ..reply };
-                self.answer(port, envelope, refusal);
-            }
-        }
-    }
-
-    fn step<S: Storage>(&mut self, job: Job, storage: &mut S) -> Result<Progress, StorageError> {
-        match job {
-            Job::Write(key, value) => write_value(storage, key, value)?,
-            Job::RestoreAxisParameter(number) => self.restore_axis_parameter(number, storage),
-            Job::RestoreVariable(number) => {
-                let value = read_value(storage, RecordKey::Global(crate::globals::VARIABLE_BANK, number));
-                self.globals.set_variable(number, value.unwrap_or(0));
-            }
-            Job::StoreCoordinates { next, last } => {
-                write_value(storage, RecordKey::Coordinate(next), self.coordinates.get(next))?;
-                if next < last {
-                    return Ok(Progress::More(Job::StoreCoordinates { next: next + 1, last }));
-                }
-            }
-            Job::RestoreCoordinates { first, last } => {
-                for number in first..=last {
-                    let value = read_value(storage, RecordKey::Coordinate(number));
-                    self.coordinates.set(number, value.unwrap_or(0));
-                }
-            }
-            Job::FactoryReset => {
-                let (bank, number) = GlobalParameter::EepromMagic.address();
-                write_value(storage, RecordKey::Global(bank, number), 0)?;
-                return Ok(Progress::Restart);
-            }
-            Job::Restart => return Ok(Progress::Restart),
-        }
-        Ok(Progress::Done)
-    }
-
-    /// As after power-on, but for replies that are still on their way out.
-    fn restart<S: Storage>(&mut self, storage: &mut S) {
-        let mut ports = self.ports.clone();
-        ports.iter_mut().for_each(Port::restart);
-        *self = Self { ports, ..Self::power_on(storage) };
     }
 }
 

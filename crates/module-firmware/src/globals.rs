@@ -4,6 +4,7 @@
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::TICKS_PER_MS;
+use crate::application::ProgramStatus;
 use crate::values::Values;
 
 /// The bank of user variables.
@@ -55,11 +56,14 @@ impl Globals {
     }
 
     /// What GGP reads at `ticks`. Reading the random number draws the next one.
-    pub(crate) fn read(&mut self, parameter: GlobalParameter, ticks: u64) -> i32 {
+    pub(crate) fn read(&mut self, parameter: GlobalParameter, ticks: u64, program: ProgramStatus) -> i32 {
         use GlobalParameter as G;
         match parameter {
             G::TickTimer => milliseconds(ticks).wrapping_add(self.tick_timer_offset).cast_signed(),
             G::RandomNumber => self.draw(ticks),
+            G::ApplicationStatus => i32::from(program.mode),
+            G::DownloadMode => i32::from(program.downloading),
+            G::ProgramCounter => i32::from(program.address),
             G::EepromMagic
             | G::BaudRate
             | G::SerialAddress
@@ -79,9 +83,6 @@ impl Globals {
             | G::DoNotRestoreVariables
             | G::SerialSecondaryAddress
             | G::InterfaceSelection
-            | G::ApplicationStatus
-            | G::DownloadMode
-            | G::ProgramCounter
             | G::SuppressReply
             | G::Timer0Period
             | G::Timer1Period

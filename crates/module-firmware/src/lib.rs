@@ -2,7 +2,7 @@
 //!
 //! A module is a pure state machine, [`Firmware`]: bytes go in with [`Firmware::receive`] and come out with
 //! [`Firmware::transmit`]; every 50 µs [`Firmware::tick`] takes what the sensors say and returns what the power stage
-//! shall do; [`Firmware::background`] does what takes long, one EEPROM record at a time. What differs between modules is
+//! shall do, and lets a stand-alone program execute an instruction; [`Firmware::background`] does what takes long, one EEPROM record at a time. What differs between modules is
 //! an [`Axis`]; there is one dispatcher for all of them, and one way in for every request.
 //!
 //! This crate must never know of simulation, files or wall-clock time. It allocates nothing and never panics. All state
@@ -10,23 +10,30 @@
 #![no_std]
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod application;
 mod axis;
-mod calculator;
 mod coordinates;
 mod dispatch;
+mod events;
 mod firmware;
 mod globals;
+mod jobs;
 mod port;
 mod power_on;
+mod program_memory;
 mod ring;
 mod storage;
 pub mod tmcm_1311;
 mod values;
 
+pub use application::{Halted, Refusal};
 pub use axis::{Axis, Motion, Refused};
+pub use events::Events;
 pub use firmware::Firmware;
 pub use port::{PORTS, PortId};
+pub use program_memory::{ERASED, Instruction, ProgramMemory, Programs};
 pub use storage::{RecordKey, Storage, StorageError};
+pub use tmcl_vm::{Breakpoints, Halt, Mode as ProgramMode, NeverHalt, Vm};
 
 /// Control periods in a second: one every 50 µs.
 pub const TICKS_PER_SECOND: u64 = 20_000;

@@ -3,6 +3,7 @@
 use tmcl_wire::{Decoder, Listener, Reply, serial};
 
 use crate::TICKS_PER_MS;
+use crate::program_memory::Instruction;
 use crate::ring::Ring;
 
 /// Ports of a module.
@@ -100,6 +101,11 @@ impl Port {
     pub(crate) fn version_string(&mut self, envelope: Envelope, version: &str) {
         let characters = version.as_bytes().first_chunk().copied().unwrap_or([b' '; 8]);
         self.send(envelope, serial::encode_version_string(envelope.host, characters));
+    }
+
+    /// Queues the special reply of command 134.
+    pub(crate) fn instruction(&mut self, envelope: Envelope, instruction: Instruction) {
+        self.send(envelope, serial::encode_instruction(envelope.host, instruction));
     }
 
     /// Whether a datagram fits the outbox.

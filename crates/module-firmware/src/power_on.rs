@@ -6,6 +6,7 @@ use crate::axis::Axis;
 use crate::coordinates::{self, Coordinates};
 use crate::firmware::Firmware;
 use crate::globals::{Globals, MAGIC, VARIABLE_BANK};
+use crate::program_memory::ProgramMemory;
 use crate::storage::{RecordKey, Storage, read_value, write_value};
 
 impl<A: Axis> Firmware<A> {
@@ -20,6 +21,16 @@ impl<A: Axis> Firmware<A> {
         let mut firmware = Self::with(A::default(), globals, coordinates);
         for parameter in A::SPEC.axis_parameters.iter().filter(|parameter| parameter.access.store) {
             firmware.restore_axis_parameter(parameter.number, storage);
+        }
+        firmware
+            .axis
+            .set_end_switch_polarity(firmware.globals.setting(GlobalParameter::EndSwitchPolarity) != 0);
+        // A program that cannot be read is none: all STOP.
+        if storage.read_program(firmware.programs.instructions_mut()).is_err() {
+            firmware.programs.erase();
+        }
+        if firmware.globals.setting(GlobalParameter::AutoStart) != 0 {
+            firmware.vm.run_from(0);
         }
         firmware
     }
@@ -38,10 +49,24 @@ fn is_possible(spec: &ParameterSpec, bits: i32) -> bool {
     spec.range.contains(spec.from_wire(bits))
 }
 
+fn stored(storage: &mut impl Storage, parameter: GlobalParameter) -> Option<i32> {
+    let (bank, number) = parameter.address();
+    read_value(storage, RecordKey::Global(bank, number))
+}
+
 fn forget_if_magic_is_wrong<S: Storage>(storage: &mut S) {
     let (bank, number) = GlobalParameter::EepromMagic.address();
     let key = RecordKey::Global(bank, number);
-    if read_value(storage, key).is_some_and(|magic| magic != MAGIC) && storage.erase().is_ok() {
+    if read_value(storage, key).is_none_or(|magic| magic == MAGIC) {
+        return;
+    }
+    // The factory settings protect no program; what was protected from reading back must not become readable.
+    let protected =
+        stored(storage, GlobalParameter::CodeProtection).is_some_and(|protection| protection & 1 != 0);
+    if protected && storage.erase_program().is_err() {
+        return;
+    }
+    if storage.erase().is_ok() {
         // Without the record the settings are the factory's just as well.
         let _ = write_value(storage, key, MAGIC);
     }

@@ -1,4 +1,6 @@
-//! What the firmware asks of a non-volatile memory: small records, each written whole or not at all.
+//! What the firmware asks of a non-volatile memory: small records, each written whole or not at all, and a program.
+
+use crate::program_memory::Instruction;
 
 /// Names a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,11 +51,26 @@ pub trait Storage {
     /// # Errors
     /// [`StorageError`] when it cannot be written; then the old one stands.
     fn write(&mut self, key: RecordKey, value: &[u8]) -> Result<(), StorageError>;
-    /// Removes every record.
+    /// Removes every record; the program stays.
     ///
     /// # Errors
     /// [`StorageError::Medium`] when the medium fails.
     fn erase(&mut self) -> Result<(), StorageError>;
+    /// Copies the program memory to `out`, which holds erased instructions where the medium has none.
+    ///
+    /// # Errors
+    /// [`StorageError::Medium`] when it cannot be read.
+    fn read_program(&mut self, out: &mut [Instruction]) -> Result<(), StorageError>;
+    /// Writes an instruction to the program memory.
+    ///
+    /// # Errors
+    /// [`StorageError`] when it cannot be written; then the old one stands.
+    fn write_instruction(&mut self, address: u16, instruction: Instruction) -> Result<(), StorageError>;
+    /// Makes the program memory read as erased.
+    ///
+    /// # Errors
+    /// [`StorageError::Medium`] when the medium fails.
+    fn erase_program(&mut self) -> Result<(), StorageError>;
 }
 
 /// A record that holds a 32-bit value, or `None` where there is no such record or it cannot be read.

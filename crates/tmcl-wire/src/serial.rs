@@ -59,6 +59,24 @@ pub fn encode_version_string(host: u8, version: [u8; 8]) -> [u8; DATAGRAM_LENGTH
     [host, a, b, c, d, e, f, g, h]
 }
 
+/// The reply to command 134: host address, the seven bytes of an instruction, and the sum of these eight. The layout is an
+/// inference (decision): no manual prints it.
+#[must_use]
+pub fn encode_instruction(host: u8, instruction: [u8; 7]) -> [u8; DATAGRAM_LENGTH] {
+    let [a, b, c, d, e, f, g] = instruction;
+    sealed([host, a, b, c, d, e, f, g])
+}
+
+/// The host address and the instruction in the reply to command 134.
+///
+/// # Errors
+/// [`DatagramError::Checksum`] when the last byte is not the sum of the others.
+pub fn decode_instruction(datagram: [u8; DATAGRAM_LENGTH]) -> Result<(u8, [u8; 7]), DatagramError> {
+    let [host, a, b, c, d, e, f, g, found] = datagram;
+    verify(&[host, a, b, c, d, e, f, g], found)?;
+    Ok((host, [a, b, c, d, e, f, g]))
+}
+
 /// The address and request in nine bytes.
 ///
 /// # Errors

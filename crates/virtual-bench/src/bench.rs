@@ -1,7 +1,7 @@
 //! The bench: modules that share a clock, the wires between them, and what happens to them when.
 
 use module_firmware::tmcm_1311::Tmcm1311;
-use module_firmware::{PortId, RecordKey, Storage};
+use module_firmware::{PortId, RecordKey, Storage, Vm};
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::TICK_NS;
@@ -11,6 +11,7 @@ use crate::hardware::Physical;
 use crate::kind::ModuleKind;
 use crate::module::{Module, VirtualModule};
 use crate::probe::{self, Probe, ProbeError, Quantity};
+use crate::refusals::RefusedInstruction;
 use crate::stepper_bench::StepperBench;
 
 /// The banks of ports that wires join.
@@ -126,7 +127,7 @@ impl Bench {
 
     /// Goes through the control periods before `time_ns` in which nothing can change, if there are any.
     fn rest_until(&mut self, time_ns: u64) {
-        let change_ns = self.slots.iter().map(|slot| slot.module.get().next_change_ns()).min();
+        let change_ns = self.slots.iter().map(|slot| slot.module.get().next_change_ns(self.time_ns)).min();
         // The period in which something may change, and the one before which an event falls due, are not for resting.
         let before_change_ns = change_ns.map_or(u64::MAX, |change_ns| change_ns.saturating_sub(1));
         let event_ns = self.events.get(self.next_event).map_or(u64::MAX, |event| event.at_ns);
@@ -274,6 +275,17 @@ impl Bench {
         self.module(module).map(VirtualModule::eeprom)
     }
 
+    /// The instructions of a module's program that it refused since it was switched on, in the order of addresses.
+    pub fn refused_instructions(&self, module: ModuleId) -> impl Iterator<Item = RefusedInstruction> + '_ {
+        self.module(module).into_iter().flat_map(|module| module.refusals().iter())
+    }
+
+    /// The state of a module's program.
+    #[must_use]
+    pub fn program(&self, module: ModuleId) -> Option<&Vm> {
+        self.module(module).map(VirtualModule::program)
+    }
+
     fn module(&self, module: ModuleId) -> Option<&dyn VirtualModule> {
         self.slots.get(module.0).map(|slot| slot.module.get())
     }
@@ -291,7 +303,11 @@ fn slot(config: &ModuleConfig) -> Slot {
         let _ = eeprom.write(RecordKey::Global(bank, number), &i32::from(address).to_le_bytes());
     }
     let module = match config.kind {
-        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom))),
+        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(
+            StepperBench::new(config),
+            eeprom,
+            config.instructions_per_tick,
+        ))),
     };
     Slot { name: config.name.clone(), kind: config.kind, module }
 }

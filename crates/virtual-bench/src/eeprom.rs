@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use module_firmware::{RecordKey, Storage, StorageError};
+use module_firmware::{ERASED, Instruction, RecordKey, Storage, StorageError};
 
 /// Records in memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Eeprom {
     records: BTreeMap<u16, Vec<u8>>,
+    /// The program as far as it was written.
+    program: Vec<Instruction>,
     writes: u64,
 }
 
@@ -35,6 +37,31 @@ impl Storage for Eeprom {
 
     fn erase(&mut self) -> Result<(), StorageError> {
         self.records.clear();
+        Ok(())
+    }
+
+    fn read_program(&mut self, out: &mut [Instruction]) -> Result<(), StorageError> {
+        out.fill(ERASED);
+        for (slot, instruction) in out.iter_mut().zip(&self.program) {
+            *slot = *instruction;
+        }
+        Ok(())
+    }
+
+    fn write_instruction(&mut self, address: u16, instruction: Instruction) -> Result<(), StorageError> {
+        let index = usize::from(address);
+        if self.program.len() <= index {
+            self.program.resize(index + 1, ERASED);
+        }
+        let slot = self.program.get_mut(index).ok_or(StorageError::Medium)?;
+        *slot = instruction;
+        self.writes += 1;
+        Ok(())
+    }
+
+    fn erase_program(&mut self) -> Result<(), StorageError> {
+        self.program.clear();
+        self.writes += 1;
         Ok(())
     }
 }

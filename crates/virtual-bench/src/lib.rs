@@ -12,6 +12,7 @@ mod hardware;
 mod kind;
 mod module;
 mod probe;
+mod refusals;
 mod stepper_bench;
 mod trace;
 
@@ -20,8 +21,9 @@ pub use config::BenchConfig;
 pub use eeprom::Eeprom;
 pub use hardware::Physical;
 pub use kind::{ModuleKind, UnknownModuleKind};
-pub use module_firmware::{PORTS, PortId};
+pub use module_firmware::{PORTS, PortId, ProgramMode, Vm};
 pub use probe::{Probe, ProbeError, Quantity};
+pub use refusals::RefusedInstruction;
 pub use trace::{Column, Trace};
 
 /// A control period.

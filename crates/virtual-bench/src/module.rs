@@ -1,10 +1,12 @@
 //! One virtual module: firmware, hardware and EEPROM.
 
-use module_firmware::{Axis, Firmware, PortId};
+use module_firmware::{Axis, Firmware, PortId, Vm};
 
+use crate::TICK_NS;
 use crate::config::{Power, Setting};
 use crate::eeprom::Eeprom;
 use crate::hardware::{Hardware, Physical};
+use crate::refusals::Refusals;
 
 /// What the bench does with a module of any kind.
 pub(crate) trait VirtualModule {
@@ -12,8 +14,8 @@ pub(crate) trait VirtualModule {
     fn tick(&mut self, until_ns: u64) -> bool;
     /// `periods` further control periods like the last one, in which nothing changed; the last ends at `until_ns`.
     fn rest(&mut self, periods: u64, until_ns: u64);
-    /// The next instant at which something may change by itself.
-    fn next_change_ns(&self) -> u64;
+    /// The next instant after `now_ns` at which something may change by itself.
+    fn next_change_ns(&self, now_ns: u64) -> u64;
     /// Bytes arrive at a port. Returns how many were taken; the rest did not fit and may be offered again.
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize;
     /// Appends what leaves a port to `out`.
@@ -38,6 +40,10 @@ pub(crate) trait VirtualModule {
     fn physical(&self) -> Physical;
     /// The EEPROM.
     fn eeprom(&self) -> &Eeprom;
+    /// The instructions of its program that it refused.
+    fn refusals(&self) -> &Refusals;
+    /// The program's registers, flags and stack.
+    fn program(&self) -> &Vm;
 }
 
 /// Hardware whose surroundings the bench can change.
@@ -56,6 +62,8 @@ pub(crate) struct Module<A: Axis, H> {
     eeprom: Eeprom,
     powered: bool,
     silence_ticks: Option<u64>,
+    instructions_per_tick: u16,
+    refusals: Refusals,
 }
 
 impl<A, H> Module<A, H>
@@ -64,9 +72,28 @@ where
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive>,
 {
     /// A module that is switched on with what its EEPROM holds.
-    pub(crate) fn new(hardware: H, mut eeprom: Eeprom) -> Self {
+    pub(crate) fn new(hardware: H, mut eeprom: Eeprom, instructions_per_tick: u16) -> Self {
         let firmware = Firmware::power_on(&mut eeprom);
-        Self { firmware, hardware, eeprom, powered: true, silence_ticks: None }
+        let refusals = Refusals::default();
+        let mut module = Self {
+            firmware,
+            hardware,
+            eeprom,
+            powered: true,
+            silence_ticks: None,
+            instructions_per_tick,
+            refusals,
+        };
+        module.set_up();
+        module
+    }
+
+    /// What the firmware is told by its surroundings after power-on.
+    fn set_up(&mut self) {
+        self.firmware.set_instructions_per_tick(self.instructions_per_tick);
+        if let Some(ticks) = self.silence_ticks {
+            self.firmware.set_silence(ticks);
+        }
     }
 
     /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time.
@@ -91,6 +118,9 @@ where
         let drive = self.firmware.tick(&sensed);
         let changed = self.hardware.advance(&drive, until_ns);
         self.work();
+        if let Some(refusal) = self.firmware.take_refusal() {
+            self.refusals.add(refusal, until_ns);
+        }
         changed || !idle
     }
 
@@ -101,8 +131,10 @@ where
         }
     }
 
-    fn next_change_ns(&self) -> u64 {
-        self.hardware.next_change_ns()
+    fn next_change_ns(&self, now_ns: u64) -> u64 {
+        let quiet_ticks = if self.powered { self.firmware.quiet_ticks() } else { u64::MAX };
+        let program_ns = quiet_ticks.saturating_add(1).saturating_mul(TICK_NS).saturating_add(now_ns);
+        self.hardware.next_change_ns().min(program_ns)
     }
 
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize {
@@ -152,9 +184,8 @@ where
         self.hardware.apply(Setting::Power(if on { Power::On } else { Power::Off }));
         // Without power it forgets everything but its EEPROM; what it was about to say is lost.
         self.firmware = Firmware::power_on(&mut self.eeprom);
-        if let Some(ticks) = self.silence_ticks {
-            self.firmware.set_silence(ticks);
-        }
+        self.refusals = Refusals::default();
+        self.set_up();
     }
 
     fn apply(&mut self, setting: Setting) {
@@ -179,5 +210,13 @@ where
 
     fn eeprom(&self) -> &Eeprom {
         &self.eeprom
+    }
+
+    fn refusals(&self) -> &Refusals {
+        &self.refusals
+    }
+
+    fn program(&self) -> &Vm {
+        self.firmware.program()
     }
 }

@@ -6,7 +6,8 @@ use tmcl_wire::Request;
 use super::{COORDINATES_IN_EEPROM, Executed, Outcome};
 use crate::axis::Axis;
 use crate::coordinates;
-use crate::firmware::{Firmware, Job};
+use crate::firmware::Firmware;
+use crate::jobs::Job;
 use crate::storage::RecordKey;
 
 impl<A: Axis> Firmware<A> {

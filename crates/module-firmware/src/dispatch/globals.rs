@@ -5,9 +5,13 @@ use tmcl_wire::Request;
 
 use super::{Executed, Outcome, in_range, readable, storable};
 use crate::axis::Axis;
-use crate::firmware::{Firmware, Job};
+use crate::firmware::Firmware;
 use crate::globals::VARIABLE_BANK;
+use crate::jobs::Job;
 use crate::storage::RecordKey;
+
+/// The bit of global parameter 81 that keeps a program from being read back.
+const READ_PROTECTION: i32 = 1;
 
 impl<A: Axis> Firmware<A> {
     /// SGP and AGP. Bank 0 is stored at once, as far as the EEPROM keeps it (TMCM-1311 §10.1).
@@ -28,12 +32,29 @@ impl<A: Axis> Firmware<A> {
             return Ok(Outcome::Done(answer));
         }
         let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
+        let before = self.globals.setting(parameter);
         self.globals.write(parameter, value, self.ticks);
-        if stored {
-            let kept = self.globals.setting(parameter);
-            return Ok(Outcome::Job(Job::Write(RecordKey::Global(bank, number), kept), answer));
+        self.apply(parameter, value);
+        if !stored {
+            return Ok(Outcome::Done(answer));
         }
-        Ok(Outcome::Done(answer))
+        let (key, kept) = (RecordKey::Global(bank, number), self.globals.setting(parameter));
+        if parameter == GlobalParameter::CodeProtection && before & !kept & READ_PROTECTION != 0 {
+            self.vm.stop();
+            return Ok(Outcome::Job(Job::EraseProgram(key, kept), answer));
+        }
+        Ok(Outcome::Job(Job::Write(key, kept), answer))
+    }
+
+    /// What follows at once from a setting.
+    fn apply(&mut self, parameter: GlobalParameter, value: i32) {
+        match parameter {
+            GlobalParameter::EndSwitchPolarity => self.axis.set_end_switch_polarity(value != 0),
+            GlobalParameter::Timer0Period => self.sources.set_timer(0, value, self.ticks),
+            GlobalParameter::Timer1Period => self.sources.set_timer(1, value, self.ticks),
+            GlobalParameter::Timer2Period => self.sources.set_timer(2, value, self.ticks),
+            _ => {}
+        }
     }
 
     pub(super) fn get_global_parameter(&mut self, request: &Request) -> Executed {
@@ -43,7 +64,8 @@ impl<A: Axis> Firmware<A> {
             return Ok(Outcome::Done(self.globals.variable(number)));
         }
         let parameter = GlobalParameter::from_address(bank, number).ok_or(Status::WrongType)?;
-        Ok(Outcome::Done(self.globals.read(parameter, self.ticks)))
+        let program = self.program_status();
+        Ok(Outcome::Done(self.globals.read(parameter, self.ticks, program)))
     }
 
     /// STGP: bank 0 is stored already, so that only user variables have something to do.

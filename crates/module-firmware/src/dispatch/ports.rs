@@ -18,7 +18,7 @@ impl<A: Axis> Firmware<A> {
         let &Request { kind: number, motor: bank, value, .. } = request;
         if (bank, number) == (OUTPUT_BANK, ALL_PORTS) && !outputs::<A>().is_empty() {
             let levels = match value {
-                -1 => self.registers.accumulator & 0xFF,
+                -1 => self.vm.registers.accumulator & 0xFF,
                 0..=255 => value,
                 _ => return Err(Status::InvalidValue),
             };

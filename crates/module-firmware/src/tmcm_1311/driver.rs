@@ -1,6 +1,6 @@
 //! The TMC262 as the firmware sees it: what it is told, what it reports, and what follows from that (TMCM-1311 §6, §7).
 
-use super::{AxisParameter, RampMode, Tmcm1311};
+use super::{AxisParameter, Tmcm1311};
 
 /// The coolStep settings of the driver chip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -53,11 +53,12 @@ impl Tmcm1311 {
         let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
         let flag = |parameter| self.kept_value(parameter) != 0;
         let semin = byte(P::CoolstepHysteresisStart);
+        let off_time = if self.switched_off { 0 } else { byte(P::ChopperOffTime) };
         let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
         ChipSettings {
             current_scale: self.run_current(fast) / 8,
             half_scale: flag(P::Vsense),
-            off_time: byte(P::ChopperOffTime),
+            off_time,
             stallguard_threshold: i8::try_from(self.kept_value(P::Stallguard2Threshold)).unwrap_or(0),
             stallguard_filter: flag(P::Stallguard2Filter),
             cool_step: CoolStep {
@@ -83,18 +84,15 @@ impl Tmcm1311 {
     }
 
     /// Stops at once when stallGuard2 reads 0 above the velocity of AP 181; 0 there switches it off. The target becomes
-    /// where the motor is, so that it does not start again.
-    pub(super) fn stop_on_stall(&mut self) {
+    /// where the motor is, so that it does not start again. Returns whether it stopped.
+    pub(super) fn stop_on_stall(&mut self) -> bool {
         let threshold_pps = self.kept_value(AxisParameter::StopOnStallVelocity);
         let stalls =
             threshold_pps > 0 && self.speed_pps() > threshold_pps && self.sensed.driver.stallguard == 0;
         if stalls {
-            self.ramp.halt();
-            self.target_position = self.ramp.position();
-            if self.mode == RampMode::Velocity {
-                self.turn(0);
-            }
+            self.stop_at_once();
         }
+        stalls
     }
 
     fn speed_pps(&self) -> i32 {

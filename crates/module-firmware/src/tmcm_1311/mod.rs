@@ -3,16 +3,21 @@
 //! What stands: open loop. Closed loop, reference search, switches and protection are still to come; their parameters keep
 //! what is written to them (`docs/fidelity.md`).
 
+mod deviation;
 mod driver;
 mod parameters;
 mod ports;
+mod switches;
 
 use motion_control::ramp::{Goal, Limits, Ramp};
 use motion_control::sine;
 pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
-use tmcl_tables::{ModuleSpec, tmcm_1311 as tables};
+use tmcl_tables::{Interrupt, ModuleSpec, tmcm_1311 as tables};
+use tmcl_vm::WaitEvent;
 
 use crate::axis::{Axis, Motion, Refused};
+use crate::events::Events;
+use crate::program_memory::Programs;
 use crate::values::Values;
 
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
@@ -79,6 +84,10 @@ pub struct Tmcm1311 {
     /// AP 209 less the raw encoder count.
     encoder_offset: i32,
     outputs: u8,
+    /// Global parameter 79.
+    reversed_switches: bool,
+    /// A deviation switched the current off.
+    switched_off: bool,
     sensed: Sensed,
 }
 
@@ -97,6 +106,8 @@ impl Default for Tmcm1311 {
             phase: 0,
             encoder_offset: 0,
             outputs: 0,
+            reversed_switches: false,
+            switched_off: false,
             sensed: Sensed::default(),
         }
     }
@@ -108,14 +119,16 @@ impl Axis for Tmcm1311 {
     type Port = Port;
     type Sensed = Sensed;
     type Drive = Drive;
+    type Programs = Programs<{ tables::SPEC.program_memory as usize }>;
 
     fn is_idle(&self, sensed: &Sensed) -> bool {
         self.sensed == *sensed && self.ramp.is_settled(&self.limits())
     }
 
-    fn tick(&mut self, sensed: &Sensed) -> Drive {
+    fn tick(&mut self, sensed: &Sensed, events: &mut Events) -> Drive {
         self.sensed = *sensed;
-        self.stop_on_stall();
+        events.stall_stop = self.stop_on_stall();
+        events.deviation_stop = self.stop_on_deviation();
         let before = self.ramp.position();
         self.ramp.tick(&self.limits());
         self.step(self.ramp.position().wrapping_sub(before));
@@ -149,6 +162,39 @@ impl Axis for Tmcm1311 {
         self.ramp.is_standing() && self.ramp.position() == self.target_position
     }
 
+    fn has_happened(&self, event: WaitEvent) -> bool {
+        match event {
+            WaitEvent::PositionReached => self.is_position_reached(),
+            WaitEvent::ReferenceSwitch => self.is_home_switch_active(),
+            WaitEvent::LimitSwitch => self.is_left_switch_active() || self.is_right_switch_active(),
+            // No search runs: the reference search is still to come.
+            WaitEvent::ReferenceSearch => true,
+        }
+    }
+
+    fn level(&self, interrupt: Interrupt) -> bool {
+        use Interrupt as I;
+        match interrupt {
+            I::PositionReached => self.is_position_reached(),
+            I::StopLeft => self.is_left_switch_active(),
+            I::StopRight => self.is_right_switch_active(),
+            I::Input0 => self.port_level(Port::In0) != 0,
+            I::Input1 => self.port_level(Port::In1) != 0,
+            I::Input2 => self.port_level(Port::In2) != 0,
+            I::Input3 => self.port_level(Port::In3) != 0,
+            I::Input4 => self.port_level(Port::In4) != 0,
+            I::Input5 => self.port_level(Port::In5) != 0,
+            I::Input6 => self.port_level(Port::In6) != 0,
+            I::Input7 => self.port_level(Port::In7) != 0,
+            // Timers are the firmware's, stops of the motor are events.
+            I::Timer0 | I::Timer1 | I::Timer2 | I::Stallguard2 | I::Deviation => false,
+        }
+    }
+
+    fn set_end_switch_polarity(&mut self, reversed: bool) {
+        self.reversed_switches = reversed;
+    }
+
     fn port(bank: u8, number: u8) -> Option<Port> {
         Port::from_address(bank, number)
     }
@@ -165,6 +211,7 @@ impl Axis for Tmcm1311 {
 impl Tmcm1311 {
     /// Velocity mode: speeds up or slows down to `velocity_pps` (§5.7.1).
     fn turn(&mut self, velocity_pps: i32) {
+        self.forget_deviation();
         self.mode = RampMode::Velocity;
         self.target_velocity = velocity_pps;
         self.ramp.set_goal(Goal::Velocity(velocity_pps));
@@ -172,6 +219,7 @@ impl Tmcm1311 {
 
     /// Position mode: to `position` (§5.7.4).
     fn move_to(&mut self, position: i32) {
+        self.forget_deviation();
         self.mode = RampMode::Position;
         self.target_position = position;
         self.ramp.set_goal(Goal::Position(position));

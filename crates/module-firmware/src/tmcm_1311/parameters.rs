@@ -40,13 +40,13 @@ impl Tmcm1311 {
             P::ClearOnNull => i32::from(self.kept_value(P::EncoderMode) & CLEAR_ON_NEXT_NULL != 0),
             P::DriverErrorFlags => i32::from(self.sensed.driver.flags),
             P::EncoderCounter => self.sensed.encoder_counts.wrapping_add(self.encoder_offset),
+            P::HomeSwitch => i32::from(self.is_home_switch_active()),
+            P::RightLimitSwitch => i32::from(self.is_right_switch_active()),
+            P::LeftLimitSwitch => i32::from(self.is_left_switch_active()),
             P::MaxVelocity
             | P::MaxAcceleration
             | P::MaxCurrent
             | P::StandbyCurrent
-            | P::HomeSwitch
-            | P::RightLimitSwitch
-            | P::LeftLimitSwitch
             | P::RightLimitSwitchDisable
             | P::LeftLimitSwitchDisable
             | P::TorqueTargetCurrent

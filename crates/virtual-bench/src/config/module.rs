@@ -30,6 +30,8 @@ pub struct ModuleConfig {
     pub name: String,
     /// Its serial address; beats what the EEPROM says, and is beaten by the command line. `None`: the EEPROM's.
     pub address: Option<u8>,
+    /// Instructions of a stand-alone program that a control period of 50 µs executes, 1 to 1000 (decision: 1).
+    pub instructions_per_tick: u16,
     /// Ambient temperature, -55 to 150 °C.
     pub temperature_c: f64,
     /// What it runs on.
@@ -54,6 +56,7 @@ impl ModuleConfig {
             kind,
             name: name.to_owned(),
             address: None,
+            instructions_per_tick: 1,
             temperature_c: ROOM_C,
             supply: supply::default_for(kind),
             motor: MotorConfig::default_for(kind),
@@ -106,6 +109,8 @@ fn read(
     let name = name.and_then(|(name, span)| check_name(name, span, &mut section)).unwrap_or(default_name);
     let mut module = ModuleConfig::default_for(kind, name);
     module.address = section.integer("address", &(0..=255)).and_then(|address| u8::try_from(address).ok());
+    let instructions = section.integer("instructions_per_tick", &(1..=1000));
+    module.instructions_per_tick = instructions.and_then(|count| u16::try_from(count).ok()).unwrap_or(1);
     let temperature_c = section.number("temperature_c", &quantity::TEMPERATURE).or(common.temperature_c);
     module.temperature_c = temperature_c.unwrap_or(ROOM_C);
     let supply = section.section("supply", "module.supply").map(SupplyFigures::read).unwrap_or_default();
