@@ -82,9 +82,9 @@ impl<A: Axis> Firmware<A> {
         if !self.vm.is_active() {
             return true;
         }
-        let Some((event, deadline)) = self.vm.waits() else { return false };
+        let Some((event, _)) = self.vm.waits() else { return false };
         let happened = event.is_some_and(|event| self.has_happened(event));
-        !happened && deadline.is_none_or(|deadline| deadline > self.ticks) && !self.has_unnoticed_edge()
+        !happened && self.quiet_ticks() > 0 && !self.has_unnoticed_edge()
     }
 
     /// Control periods until the program goes on by itself, while [`Firmware::is_idle`].
@@ -93,7 +93,8 @@ impl<A: Axis> Firmware<A> {
         if !self.vm.is_active() {
             return u64::MAX;
         }
-        let deadline = self.vm.waits().and_then(|(_, deadline)| deadline).unwrap_or(u64::MAX);
+        let Some((_, deadline)) = self.vm.waits() else { return 0 };
+        let deadline = deadline.unwrap_or(u64::MAX);
         let timer = self.sources.next_timer_tick(self.vm.enabled_interrupts());
         deadline.min(timer).saturating_sub(self.ticks)
     }

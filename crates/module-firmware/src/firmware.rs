@@ -149,6 +149,17 @@ impl<A: Axis> Firmware<A> {
         &self.axis
     }
 
+    /// What GGP would read, for those who look on: no random number is drawn. None where GGP would read nothing.
+    #[must_use]
+    pub fn peek_global(&self, bank: u8, number: u8) -> Option<i32> {
+        A::SPEC.global_parameter(bank, number).filter(|spec| spec.parameter.access.read)?;
+        if bank == crate::globals::VARIABLE_BANK {
+            return Some(self.globals.variable(number));
+        }
+        let parameter = GlobalParameter::from_address(bank, number)?;
+        Some(self.globals.peek(parameter, self.ticks, self.program_status()))
+    }
+
     fn port_mut(&mut self, port: PortId) -> Option<&mut Port> {
         self.ports.get_mut(port.index())
     }

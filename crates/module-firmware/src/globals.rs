@@ -57,10 +57,18 @@ impl Globals {
 
     /// What GGP reads at `ticks`. Reading the random number draws the next one.
     pub(crate) fn read(&mut self, parameter: GlobalParameter, ticks: u64, program: ProgramStatus) -> i32 {
+        match parameter {
+            GlobalParameter::RandomNumber => self.draw(ticks),
+            _ => self.peek(parameter, ticks, program),
+        }
+    }
+
+    /// What GGP would read at `ticks`, but that no random number is drawn: it is the one that was drawn last.
+    pub(crate) fn peek(&self, parameter: GlobalParameter, ticks: u64, program: ProgramStatus) -> i32 {
         use GlobalParameter as G;
         match parameter {
             G::TickTimer => milliseconds(ticks).wrapping_add(self.tick_timer_offset).cast_signed(),
-            G::RandomNumber => self.draw(ticks),
+            G::RandomNumber => random_value(self.random),
             G::ApplicationStatus => i32::from(program.mode),
             G::DownloadMode => i32::from(program.downloading),
             G::ProgramCounter => i32::from(program.address),
@@ -135,8 +143,13 @@ impl Globals {
         state ^= state >> 17;
         state ^= state << 5;
         self.random = state;
-        (state >> 1).cast_signed()
+        random_value(state)
     }
+}
+
+/// What parameter 133 reads in this state of the generator: 31 bits.
+fn random_value(state: u32) -> i32 {
+    (state >> 1).cast_signed()
 }
 
 /// The counter of parameter 132 wraps at 32 bits.

@@ -102,10 +102,24 @@ impl Bench {
     /// A control period in which nothing changes is the same as the next one; so many of them as nothing can change in are
     /// gone through at once, with the same result bit for bit.
     pub fn advance_to(&mut self, time_ns: u64) {
+        self.advance_observed(time_ns, &mut |_| true);
+    }
+
+    /// [`Bench::advance_to`] for those who look on: `observe` is called after every control period in which something may
+    /// have changed, and after every rest, in which nothing did but the time. It returns whether to go on; where it does
+    /// not, the bench stays at that instant.
+    ///
+    /// What shall be seen at an exact time needs a call up to that time, for a rest may lead across it.
+    pub fn advance_observed(&mut self, time_ns: u64, observe: &mut dyn FnMut(&Self) -> bool) {
         while time_ns.saturating_sub(self.time_ns) >= TICK_NS {
             self.apply_due_events();
-            if !self.tick() {
-                self.rest_until(time_ns);
+            let changed = self.tick();
+            // A quiet period may still show what was set from outside just before it.
+            if !observe(self) {
+                return;
+            }
+            if !changed && self.rest_until(time_ns) && !observe(self) {
+                return;
             }
         }
     }
@@ -125,8 +139,8 @@ impl Bench {
         changed | self.carry_signals()
     }
 
-    /// Goes through the control periods before `time_ns` in which nothing can change, if there are any.
-    fn rest_until(&mut self, time_ns: u64) {
+    /// Goes through the control periods before `time_ns` in which nothing can change. Returns whether there were any.
+    fn rest_until(&mut self, time_ns: u64) -> bool {
         let change_ns = self.slots.iter().map(|slot| slot.module.get().next_change_ns(self.time_ns)).min();
         // The period in which something may change, and the one before which an event falls due, are not for resting.
         let before_change_ns = change_ns.map_or(u64::MAX, |change_ns| change_ns.saturating_sub(1));
@@ -140,6 +154,7 @@ impl Bench {
                 slot.module.get_mut().rest(periods, self.time_ns);
             }
         }
+        periods > 0
     }
 
     fn apply_due_events(&mut self) {
@@ -257,6 +272,12 @@ impl Bench {
                 let value = slot.kind.spec().axis_parameter(number).map_or(0, |spec| spec.from_wire(bits));
                 value as f64
             }
+            Quantity::Global(bank, number) => {
+                let bits = module.global(bank, number);
+                let spec = slot.kind.spec().global_parameter(bank, number);
+                spec.map_or(0, |spec| spec.parameter.from_wire(bits)) as f64
+            }
+            Quantity::Coordinate(number) => f64::from(module.coordinate(number)),
             Quantity::Port(bank, number) => f64::from(module.port(bank, number)),
             Quantity::EncoderCounts => f64::from(module.encoder_counts()),
             Quantity::Physical(index) => module.physical().values().get(index).copied().unwrap_or(0.0),

@@ -8,6 +8,7 @@
 mod bench;
 pub mod config;
 mod eeprom;
+pub mod expect;
 mod hardware;
 mod kind;
 mod module;

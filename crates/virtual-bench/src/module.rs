@@ -32,6 +32,10 @@ pub(crate) trait VirtualModule {
     fn apply(&mut self, setting: Setting);
     /// What an axis parameter reads; 0 where there is none.
     fn parameter(&self, number: u8) -> i32;
+    /// What a global parameter reads, without side effect; 0 where there is none.
+    fn global(&self, bank: u8, number: u8) -> i32;
+    /// What a coordinate reads; 0 where there is none.
+    fn coordinate(&self, number: u8) -> i32;
     /// What a port reads; 0 where there is none.
     fn port(&self, bank: u8, number: u8) -> i32;
     /// The raw count of the encoder.
@@ -194,6 +198,14 @@ where
 
     fn parameter(&self, number: u8) -> i32 {
         A::Parameter::try_from(number).map_or(0, |parameter| self.firmware.axis().get(parameter))
+    }
+
+    fn global(&self, bank: u8, number: u8) -> i32 {
+        self.firmware.peek_global(bank, number).unwrap_or(0)
+    }
+
+    fn coordinate(&self, number: u8) -> i32 {
+        self.firmware.peek_coordinate(number).unwrap_or(0)
     }
 
     fn port(&self, bank: u8, number: u8) -> i32 {

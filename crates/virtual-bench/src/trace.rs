@@ -46,6 +46,20 @@ impl Trace {
         bench.advance_to(time_ns);
     }
 
+    /// When the next sample falls due.
+    #[must_use]
+    pub fn next_sample_ns(&self) -> u64 {
+        self.next_ns
+    }
+
+    /// Takes a sample if one is due, for those who run the bench on themselves, never past [`Trace::next_sample_ns`].
+    pub fn sample_if_due(&mut self, bench: &Bench) {
+        if bench.time_ns() >= self.next_ns {
+            self.sample(bench);
+            self.next_ns += self.every_ns;
+        }
+    }
+
     fn sample(&mut self, bench: &Bench) {
         self.times_ns.push(self.next_ns);
         self.values.extend(self.columns.iter().map(|column| bench.read(column.probe)));

@@ -20,7 +20,7 @@ mod quantity;
 mod section;
 mod setting;
 mod stiffness;
-mod suggest;
+pub(crate) mod suggest;
 mod supply;
 mod switches;
 #[cfg(test)]

@@ -13,7 +13,7 @@ pub(super) fn help(word: &str, choices: &[&str]) -> String {
 }
 
 /// The choice that `word` is a slip of. Leaving out a unit ("voltage" for "voltage_v") is one too.
-pub(super) fn nearest<'c>(word: &str, choices: &[&'c str]) -> Option<&'c str> {
+pub(crate) fn nearest<'c>(word: &str, choices: &[&'c str]) -> Option<&'c str> {
     let word = word.to_lowercase();
     let likeness = |choice: &str| {
         let choice = choice.to_lowercase();
