@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
 use crate::module_name;
+use crate::program::lints::LintOptions;
 
 #[derive(Parser)]
 #[command(
@@ -24,6 +25,18 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// Run a program on a virtual module and check what you expect of it
+    Run(Run),
+    /// Check a program for errors, and for what is hardly meant
+    Check(Check),
+    /// Explain the code of an error or warning
+    Explain(Explain),
+    /// Lay program text out
+    Fmt(Fmt),
+    /// Assemble a program to a compiled file
+    Asm(Asm),
+    /// Turn a compiled file back into text
+    Disasm(Disasm),
     /// Move a virtual motor and show what happens
     Demo(Demo),
     /// Run a virtual module on TCP ports and pseudo terminals
@@ -45,6 +58,113 @@ pub(crate) enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+}
+
+/// `tmcl run`.
+#[derive(Args)]
+#[command(
+    after_help = "The run ends when every expectation is decided, when the program has stopped and nothing is left that may \
+    still come true, or when the time is up. Expectations (docs/expectations.md): \"actual_position == 10000 within 2s\", \
+    \"output.3 rises\", \"never status_word & 0x200\", \"physical.rotor_turns > 4.9 at end\". Exits with 1 if one failed \
+    or the module refused an instruction, with 42 if one is undecided when the run ends."
+)]
+pub(crate) struct Run {
+    /// The program; - is stdin
+    pub(crate) file: PathBuf,
+    /// The module; without it, the bench's first, or what a first line `//! module: …` says, or tmcm-1311
+    #[arg(long, value_parser = module_name::spec)]
+    pub(crate) module: Option<&'static ModuleSpec>,
+    /// The bench the module stands on (docs/bench-file.md); of several modules the first runs the program
+    #[arg(long, value_name = "FILE")]
+    pub(crate) bench: Option<PathBuf>,
+    /// How much virtual time may pass: 500ms, 10s, 1h
+    #[arg(long = "for", value_name = "TIME", default_value = "10s", value_parser = duration)]
+    pub(crate) duration: u64,
+    /// Expect this of the run; may be given several times
+    #[arg(long, value_name = "EXPECTATION")]
+    pub(crate) expect: Vec<String>,
+    #[command(flatten)]
+    pub(crate) recording: Recording,
+    #[command(flatten)]
+    pub(crate) lints: LintOptions,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `tmcl asm`.
+#[derive(Args)]
+#[command(after_help = "The compiled file has 8 bytes an instruction, as the vendor's tools write it.")]
+pub(crate) struct Asm {
+    /// The program; - is stdin
+    pub(crate) file: PathBuf,
+    /// The compiled file; without it, FILE with the ending .bin; - is stdout
+    #[arg(short, long, value_name = "OUT.bin")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write a symbol file: address to line, labels, constants (JSON)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) symbols: Option<PathBuf>,
+    /// Write a listing: addresses and bytes beside the lines
+    #[arg(long, value_name = "FILE")]
+    pub(crate) listing: Option<PathBuf>,
+    /// The module to assemble for; without it, what a first line `//! module: …` says, or tmcm-1311
+    #[arg(long, value_parser = module_name::spec)]
+    pub(crate) module: Option<&'static ModuleSpec>,
+    #[command(flatten)]
+    pub(crate) lints: LintOptions,
+    /// Print errors and warnings as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `tmcl disasm`.
+#[derive(Args)]
+pub(crate) struct Disasm {
+    /// The compiled file; - is stdin
+    pub(crate) file: PathBuf,
+    /// The module it is for
+    #[arg(long, default_value = "tmcm-1311", value_parser = module_name::spec)]
+    pub(crate) module: &'static ModuleSpec,
+}
+
+/// `tmcl fmt`.
+#[derive(Args)]
+pub(crate) struct Fmt {
+    /// The programs, formatted in place; - is stdin to stdout
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Change nothing; print the names of those that would change, and exit with 1 if there are any
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
+/// `tmcl check`.
+#[derive(Args)]
+#[command(
+    after_help = "Exits with 1 if there is an error or a warning. `tmcl explain CODE` says what it means."
+)]
+pub(crate) struct Check {
+    /// The programs; - is stdin
+    #[arg(required = true, value_name = "FILE")]
+    pub(crate) files: Vec<PathBuf>,
+    /// The module to check for; without it, what a first line `//! module: …` says, or tmcm-1311
+    #[arg(long, value_parser = module_name::spec)]
+    pub(crate) module: Option<&'static ModuleSpec>,
+    #[command(flatten)]
+    pub(crate) lints: LintOptions,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `tmcl explain`.
+#[derive(Args)]
+pub(crate) struct Explain {
+    /// The code, such as E0104; without it, all are listed
+    pub(crate) code: Option<tmcl_lang::Code>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// `tmcl demo`.
@@ -189,18 +309,31 @@ fn rpm(text: &str) -> Result<f64, String> {
 /// A time between samples in nanoseconds: at least a control period.
 fn interval(text: &str) -> Result<u64, String> {
     const EXPECTED: &str = "a time from 50us to 1h is expected, such as 500us, 1ms or 0.5s";
+    nanoseconds(text)
+        .filter(|time_ns| (50_000.0..=3.6e12).contains(time_ns))
+        .map_or_else(|| Err(EXPECTED.to_owned()), |time_ns| Ok(time_ns as u64))
+}
+
+/// Virtual time is cheap: a program that mostly waits runs for a year in a minute.
+fn duration(text: &str) -> Result<u64, String> {
+    const EXPECTED: &str = "a time from 50us to 100000h is expected, such as 500ms, 10s, 5min or 1h";
+    nanoseconds(text)
+        .filter(|time_ns| (50_000.0..=3.6e17).contains(time_ns))
+        .map_or_else(|| Err(EXPECTED.to_owned()), |time_ns| Ok(time_ns as u64))
+}
+
+/// A number and its unit.
+fn nanoseconds(text: &str) -> Option<f64> {
     let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
     let scale = match &text[number.len()..] {
         "us" => 1e3,
         "ms" => 1e6,
         "s" => 1e9,
+        "min" => 60e9,
         "h" => 3.6e12,
-        _ => return Err(EXPECTED.to_owned()),
+        _ => return None,
     };
-    match number.parse::<f64>() {
-        Ok(number) if (50_000.0..=3.6e12).contains(&(number * scale)) => Ok((number * scale) as u64),
-        _ => Err(EXPECTED.to_owned()),
-    }
+    Some(number.parse::<f64>().ok()? * scale)
 }
 
 fn speed(text: &str) -> Result<f64, String> {

@@ -5,12 +5,16 @@ use std::process::ExitCode;
 /// Exit codes. A script may rely on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Code {
+    /// Something was found that somebody has to look at: an error in a program, a failed expectation.
+    Findings = 1,
     /// The command line makes no sense (clap uses this code too).
     Usage = 2,
     /// A port, or a module behind it, cannot be reached.
     Connection = 3,
     /// The module answered with an error status, or not at all.
     TmclStatus = 4,
+    /// The time is up, and something is undecided.
+    Timeout = 42,
 }
 
 /// Why a command did not do what it was asked to.
@@ -36,6 +40,14 @@ pub(crate) enum Ending {
     Failure(Failure),
     /// Writing its output failed.
     Output(std::io::Error),
+    /// With a code; all that is to be said has been.
+    Code(Code),
+}
+
+impl From<Code> for Ending {
+    fn from(code: Code) -> Self {
+        Self::Code(code)
+    }
 }
 
 impl From<Failure> for Ending {
@@ -60,6 +72,7 @@ pub(crate) fn finish(outcome: Outcome) -> ExitCode {
             crate::print::error(&format!("cannot write the output: {error}"));
             ExitCode::FAILURE
         }
+        Err(Ending::Code(code)) => ExitCode::from(code as u8),
         Err(Ending::Failure(failure)) => {
             crate::print::error(&failure.message);
             ExitCode::from(failure.code as u8)

@@ -14,7 +14,9 @@ mod exit;
 mod module_name;
 mod plot;
 mod print;
+mod program;
 mod recording;
+mod virtual_link;
 
 use std::process::ExitCode;
 
@@ -24,6 +26,12 @@ use crate::arguments::{Arguments, Command};
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        Command::Asm(options) => commands::asm::run(&options),
+        Command::Disasm(options) => commands::disasm::run(&options),
+        Command::Fmt(options) => commands::fmt::run(&options),
+        Command::Run(options) => commands::run::run(&options),
+        Command::Check(options) => commands::check::run(&options),
+        Command::Explain(options) => commands::explain::run(&options),
         Command::Demo(options) => commands::demo::run(&options),
         Command::Serve(options) => commands::serve::run(&options),
         Command::Modules(options) => commands::modules::run(&options),

@@ -59,6 +59,22 @@ impl Recorder {
     /// Runs the bench on, and takes samples on the way.
     pub(crate) fn advance_to(&mut self, bench: &mut Bench, time_ns: u64) {
         self.trace.advance_to(bench, time_ns);
+        self.keep_up();
+    }
+
+    /// When the next sample falls due.
+    pub(crate) fn next_sample_ns(&self) -> u64 {
+        self.trace.next_sample_ns()
+    }
+
+    /// Takes a sample if one is due, of a bench that somebody else runs on.
+    pub(crate) fn sample_if_due(&mut self, bench: &Bench) {
+        self.trace.sample_if_due(bench);
+        self.keep_up();
+    }
+
+    /// Writes samples down and forgets the oldest, now and then.
+    fn keep_up(&mut self) {
         let taken = self.trace.times_ns().len();
         if taken - self.written >= CHUNK {
             self.write();

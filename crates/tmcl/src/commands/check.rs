@@ -1,0 +1,38 @@
+//! `tmcl check`: what is wrong with programs, or hardly meant.
+
+use serde::Serialize;
+use tmcl_lang::Severity;
+
+use super::asm::counted;
+use crate::arguments::Check;
+use crate::exit::{Code, Outcome};
+use crate::print;
+use crate::program::diagnostics::DiagnosticJson;
+use crate::program::{Checked, diagnostics};
+
+#[derive(Serialize)]
+struct Report<'a> {
+    errors: usize,
+    warnings: usize,
+    diagnostics: Vec<DiagnosticJson<'a>>,
+}
+
+/// Runs it.
+pub(crate) fn run(options: &Check) -> Outcome {
+    let mut files = Vec::new();
+    for file in &options.files {
+        files.push(Checked::read(file, options.module, &options.lints)?);
+    }
+    let total = |severity| files.iter().map(|checked| checked.count(severity)).sum();
+    let (errors, warnings) = (total(Severity::Error), total(Severity::Warning));
+    if options.json {
+        let diagnostics = files.iter().flat_map(diagnostics::json).collect();
+        print::json(&Report { errors, warnings, diagnostics })?;
+    } else {
+        files.iter().for_each(diagnostics::print);
+        if errors + warnings > 0 {
+            print::note(&format!("{}, {}", counted(errors, "error"), counted(warnings, "warning")));
+        }
+    }
+    if errors + warnings > 0 { Err(Code::Findings.into()) } else { Ok(()) }
+}

@@ -1,0 +1,204 @@
+//! `tmcl run`: a program on a virtual module, in virtual time, with expectations for CI.
+//!
+//! It does what a host does: assembles, downloads over the wire protocol, starts the program, and looks on.
+
+mod report;
+
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use tmcl_client::{Client, ClientError, Settings};
+use tmcl_lang::{Assembly, Severity};
+use tmcl_tables::ModuleSpec;
+use virtual_bench::expect::{Expectation, Monitor, Outcome as Verdict};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, ProgramMode};
+
+use super::asm::counted;
+use crate::arguments::Run;
+use crate::exit::{Code, Failure, Outcome};
+use crate::program::{Checked, diagnostics};
+use crate::recording::Recorder;
+use crate::virtual_link::VirtualLink;
+use crate::{bench_file, print};
+use report::{Ended, Report};
+
+const MS: u64 = 1_000_000;
+
+/// Time between samples when nothing is said.
+const SAMPLE_NS: u64 = MS;
+
+/// Virtual time between two looks at the progress.
+const PROGRESS_NS: u64 = 20 * MS;
+
+/// The module that runs the program: the bench's first.
+const MODULE: ModuleId = ModuleId(0);
+
+/// Runs it.
+pub(crate) fn run(options: &Run) -> Outcome {
+    let config = options.bench.as_deref().map(|file| bench_file::load(None, Some(file))).transpose()?;
+    let checked = Checked::read(&options.file, module(options, config.as_ref())?, &options.lints)?;
+    diagnostics::print(&checked);
+    let errors = checked.count(Severity::Error);
+    if errors > 0 {
+        return Err(Failure::new(Code::Findings, format!("not run, {}", counted(errors, "error"))).into());
+    }
+    let config = match config {
+        Some(config) => config,
+        None => BenchConfig::default_for(virtual_kind(checked.assembly.program.module)?),
+    };
+    let mut session = Session::new(&config, &checked.assembly, options)?;
+    session.start(&config)?;
+    let started = Instant::now();
+    let ended = session.play();
+    let elapsed = started.elapsed();
+    session.finish(options)?;
+    let report = Report::new(&session.bench, &checked.assembly, &session.monitor, ended, elapsed);
+    if options.json {
+        print::json(&report)?;
+    } else {
+        report.print()?;
+    }
+    report.code().map_or(Ok(()), |code| Err(code.into()))
+}
+
+/// What the command line and the bench say about the module; both may leave it to the program.
+fn module(options: &Run, config: Option<&BenchConfig>) -> Result<Option<&'static ModuleSpec>, Failure> {
+    let on_bench = config.and_then(|config| config.modules.first()).map(|module| module.kind.spec());
+    match (options.module, on_bench) {
+        (Some(named), Some(found)) if named.number != found.number => {
+            let message = format!("the first module on the bench is a {}, not a {}", found.id, named.id);
+            Err(Failure::new(Code::Usage, message))
+        }
+        (named, found) => Ok(found.or(named)),
+    }
+}
+
+fn virtual_kind(module: &'static ModuleSpec) -> Result<ModuleKind, Failure> {
+    ModuleKind::try_from(module).map_err(|unknown| Failure::new(Code::Usage, unknown.to_string()))
+}
+
+/// A program on its bench, and those who look on.
+struct Session<'a> {
+    bench: Bench,
+    assembly: &'a Assembly,
+    monitor: Monitor,
+    has_expectations: bool,
+    recorder: Option<Recorder>,
+    progress: ProgressBar,
+    end_ns: u64,
+}
+
+impl<'a> Session<'a> {
+    fn new(config: &BenchConfig, assembly: &'a Assembly, options: &Run) -> Result<Self, Failure> {
+        let bench = Bench::new(config);
+        let expectations = options.expect.iter().map(|text| {
+            Expectation::parse(text, &bench)
+                .map_err(|error| Failure::new(Code::Usage, format!("in --expect: {}", error.report(text))))
+        });
+        let expectations = expectations.collect::<Result<Vec<_>, _>>()?;
+        let has_expectations = !expectations.is_empty();
+        let monitor = Monitor::new(expectations, &bench);
+        let recording = &options.recording;
+        let recorder = if recording.trace.is_some() || recording.plot.is_some() {
+            Some(Recorder::new(&bench, recording, SAMPLE_NS)?)
+        } else {
+            None
+        };
+        // Hidden where stderr is no terminal.
+        let progress = ProgressBar::new((options.duration / MS).max(1));
+        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} ms of virtual time  {msg}");
+        progress.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Ok(Self { bench, assembly, monitor, has_expectations, recorder, progress, end_ns: options.duration })
+    }
+
+    /// 132, the instructions, 133, 131, 129.
+    fn start(&mut self, config: &BenchConfig) -> Result<(), Failure> {
+        let module_address = config.modules.first().and_then(|module| module.address).unwrap_or(1);
+        let settings = Settings { module_address, ..Settings::default() };
+        let mut client = Client::with_settings(VirtualLink::new(&mut self.bench, MODULE), settings);
+        let program: Vec<_> =
+            self.assembly.program.instructions.iter().map(|instruction| instruction.to_bytes()).collect();
+        let refused = |error: ClientError| Failure::new(Code::TmclStatus, error.to_string());
+        client.download(&program, &mut |_| {}).map_err(refused)?;
+        client.reset_program().map_err(refused)?;
+        client.run(None).map_err(refused)
+    }
+
+    /// Lets virtual time pass until there is nothing more to see.
+    fn play(&mut self) -> Ended {
+        loop {
+            if let Some(recorder) = &mut self.recorder {
+                recorder.sample_if_due(&self.bench);
+            }
+            if let Some(ended) = self.ended() {
+                return ended;
+            }
+            self.show_progress();
+            let next_ns = self.next_look_ns();
+            let Self { bench, monitor, has_expectations, .. } = self;
+            bench.advance_observed(next_ns, &mut |bench| {
+                monitor.observe(bench);
+                // What was seen may have brought a nearer deadline, and what ends the run ends it at that instant.
+                monitor.next_deadline_ns() >= next_ns && !is_over(bench, monitor, *has_expectations)
+            });
+        }
+    }
+
+    fn ended(&self) -> Option<Ended> {
+        if self.has_expectations && self.monitor.is_decided() {
+            Some(Ended::Decided)
+        } else if is_over(&self.bench, &self.monitor, self.has_expectations) {
+            Some(Ended::ProgramStopped)
+        } else if self.bench.time_ns() >= self.end_ns {
+            Some(Ended::TimeUp)
+        } else {
+            None
+        }
+    }
+
+    fn next_look_ns(&self) -> u64 {
+        let sample_ns = self.recorder.as_ref().map_or(u64::MAX, Recorder::next_sample_ns);
+        let progress_ns = (self.bench.time_ns() / PROGRESS_NS + 1) * PROGRESS_NS;
+        let soonest_ns = sample_ns.min(progress_ns).min(self.monitor.next_deadline_ns()).min(self.end_ns);
+        // A time that is no multiple of a control period is looked at after it.
+        soonest_ns.next_multiple_of(virtual_bench::TICK_NS)
+    }
+
+    fn show_progress(&self) {
+        self.progress.set_position(self.bench.time_ns() / MS);
+        if !self.progress.is_hidden()
+            && let Some(place) =
+                self.bench.program(MODULE).and_then(|vm| report::place(self.assembly, vm.address()))
+        {
+            self.progress.set_message(format!("{}:{}  {}", place.file, place.line, place.text));
+        }
+    }
+
+    fn finish(&mut self, options: &Run) -> Result<(), Failure> {
+        self.progress.finish_and_clear();
+        self.monitor.finish(&self.bench);
+        let Some(recorder) = &mut self.recorder else { return Ok(()) };
+        let module = self.assembly.program.module.name;
+        recorder.finish(&options.recording, &format!("{} on the {module}", options.file.display()))?;
+        for (what, path) in [("plot", &options.recording.plot), ("trace", &options.recording.trace)] {
+            if let Some(path) = path {
+                print::note(&format!("{what} written to {}", path.display()));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether the program has stopped and nothing is left that may still come true.
+fn is_over(bench: &Bench, monitor: &Monitor, has_expectations: bool) -> bool {
+    if has_expectations && monitor.is_decided() {
+        return true;
+    }
+    let running = bench.program(MODULE).is_some_and(|vm| vm.mode() == ProgramMode::Run);
+    !running && !monitor.awaits_something()
+}
+
+/// How many of the verdicts are of some kind.
+fn count(monitor: &Monitor, is_kind: impl Fn(&Verdict) -> bool) -> usize {
+    monitor.verdicts().iter().filter(|verdict| is_kind(&verdict.outcome)).count()
+}
