@@ -109,7 +109,9 @@ fn fuzz() -> Result<()> {
         check(Command::new(env!("CARGO")).args(install).arg(&tools))
             .context("cargo needs to reach crates.io")?;
     }
-    for target in ["serial_decoder", "firmware_bytes", "bench_file", "client_replies", "expectation", "assembler"] {
+    for target in
+        ["serial_decoder", "firmware_bytes", "bench_file", "client_replies", "expectation", "assembler"]
+    {
         check(
             Command::new(&cargo_fuzz)
                 .args(["run", target, "--", "-max_total_time=10", "-verbosity=0"])

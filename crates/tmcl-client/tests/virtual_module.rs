@@ -1,9 +1,10 @@
 //! The client against the virtual TMCM-1311 of `tmcl-server`, over TCP and over a pseudo terminal.
 #![allow(clippy::disallowed_methods, reason = "a test of two programs and what is between them")]
 
+use std::ops::ControlFlow;
 use std::time::Duration;
 
-use tmcl_client::{Client, ClientError, Heard, Settings};
+use tmcl_client::{Client, ClientError, Heard, ProgramMode, ProgramStatus, Settings};
 use tmcl_link::{Link, LinkError, open};
 use tmcl_server::Server;
 use tmcl_tables::{Command, Status, tmcm_1311::AxisParameter};
@@ -85,6 +86,39 @@ fn the_motor_moves_and_stops() {
         while client.get_axis_parameter(position).expect("it answers") >= 0 {}
         client.stop_motor().expect("it stops");
         assert_eq!(client.get_axis_parameter(number(AxisParameter::TargetVelocity)).expect("it answers"), 0);
+    });
+}
+
+#[test]
+fn a_program_is_stored_read_back_run_and_stepped() {
+    let counts_to_three = [
+        Request::new(Command::GetGlobalParameter, 0, 2, 0),
+        Request::new(Command::Calculate, 0, 0, 1),
+        Request::new(Command::AccumulatorToGlobalParameter, 0, 2, 0),
+        Request::new(Command::Compare, 0, 0, 3),
+        Request::new(Command::JumpConditional, 6, 0, 0),
+        Request::new(Command::Stop, 0, 0, 0),
+    ]
+    .map(Request::to_bytes);
+    over_every_carrier("program", |client| {
+        client.set_global_parameter(2, 0, 0).expect("a variable takes anything");
+        let mut stored = 0;
+        client.download(&counts_to_three, &mut |count| stored = count).expect("it is stored");
+        assert_eq!(stored, counts_to_three.len());
+        client.verify(&counts_to_three, &mut |_| {}).expect("it reads back");
+        client.reset_program().expect("it answers");
+        client.step_program().expect("it answers");
+        let stepped = client.program_status().expect("it answers");
+        assert_eq!(stepped, ProgramStatus { mode: ProgramMode::Stepping, address: 1 });
+        client.run(Some(0)).expect("address 0 is in the memory");
+        let end = client.wait_until_stopped(|_| ControlFlow::Continue(())).expect("it answers");
+        assert_eq!(end, ProgramStatus { mode: ProgramMode::Stopped, address: 5 });
+        assert_eq!(client.get_global_parameter(2, 0).expect("it answers"), 3);
+        let refused = client.run(Some(2048));
+        assert!(
+            matches!(refused, Err(ClientError::Status { status: Status::InvalidValue, .. })),
+            "{refused:?}"
+        );
     });
 }
 
