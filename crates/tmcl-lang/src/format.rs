@@ -110,7 +110,7 @@ impl<'a> Source<'a> {
         let comment = line.comment.and_then(|index| self.file.tokens.get(index)).map(|token| {
             let is_in_block =
                 !code.is_empty() || above.is_some_and(|above| comment::is_below(self, line, above));
-            let place = match token.range.start - self.start(line) {
+            let place = match token.range().start - self.start(line) {
                 _ if is_in_block => Place::Block,
                 0 => Place::Column(0),
                 _ => Place::Column(column),
@@ -123,8 +123,8 @@ impl<'a> Source<'a> {
     /// The bytes of a line, without its newline.
     fn verbatim(&self, line: &Line) -> &'a [u8] {
         let end = match self.tokens(line).last() {
-            Some(token) if token.kind == TokenKind::Newline => token.range.start,
-            Some(token) => token.range.end,
+            Some(token) if token.kind == TokenKind::Newline => token.range().start,
+            Some(token) => token.range().end,
             None => self.start(line),
         };
         self.bytes.get(self.start(line)..end).unwrap_or_default()
@@ -132,7 +132,7 @@ impl<'a> Source<'a> {
 
     /// Where a line begins, behind a byte order mark.
     fn start(&self, line: &Line) -> usize {
-        let start = self.tokens(line).first().map_or(0, |token| token.range.start);
+        let start = self.tokens(line).first().map_or(0, |token| token.range().start);
         if start == 0 && self.bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { start }
     }
 
@@ -141,13 +141,13 @@ impl<'a> Source<'a> {
     }
 
     fn text(&self, token: &Token) -> &'a [u8] {
-        self.bytes.get(token.range.clone()).unwrap_or_default()
+        self.bytes.get(token.range()).unwrap_or_default()
     }
 
     /// `\r\n` where most lines end so, otherwise `\n`.
     fn newline(&self) -> &'static [u8] {
         let newlines = self.file.tokens.iter().filter(|token| token.kind == TokenKind::Newline);
-        let (windows, others): (Vec<_>, Vec<_>) = newlines.partition(|token| token.range.len() == 2);
+        let (windows, others): (Vec<&Token>, Vec<&Token>) = newlines.partition(|token| token.range().len() == 2);
         if windows.len() > others.len() { b"\r\n" } else { b"\n" }
     }
 }

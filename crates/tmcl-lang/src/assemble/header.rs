@@ -83,7 +83,7 @@ fn comments(file: &File) -> impl Iterator<Item = Range<usize>> {
         .lines
         .iter()
         .take_while(|line| line.labels.is_empty() && line.statement.is_none() && !line.has_errors);
-    header.filter_map(|line| Some(file.tokens.get(line.comment?)?.range.clone()))
+    header.filter_map(|line| Some(file.tokens.get(line.comment?)?.range()))
 }
 
 /// What follows `//! module:` and its spaces.

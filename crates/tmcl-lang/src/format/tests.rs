@@ -213,7 +213,7 @@ fn statement_meaning(source: &Source<'_>, statement: &Statement) -> String {
 fn comments(bytes: &[u8]) -> Vec<Vec<u8>> {
     let file = parse(Sources::ROOT, bytes).file;
     let tokens = file.tokens.iter().filter(|token| token.kind == TokenKind::Comment);
-    tokens.map(|token| trim_end(&bytes[token.range.clone()]).to_vec()).collect()
+    tokens.map(|token| trim_end(&bytes[token.range()]).to_vec()).collect()
 }
 
 fn assert_well_laid_out(text: &[u8]) -> Result<(), TestCaseError> {

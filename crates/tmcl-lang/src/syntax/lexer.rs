@@ -13,11 +13,11 @@ pub fn lex(bytes: &[u8]) -> Vec<Token> {
     let mut at = 0;
     if bytes.starts_with(BYTE_ORDER_MARK) {
         at = BYTE_ORDER_MARK.len();
-        tokens.push(Token { kind: TokenKind::Whitespace, range: 0..at });
+        tokens.push(Token::new(TokenKind::Whitespace, 0..at));
     }
     let mut path_follows = false;
     while let Some((kind, length)) = bytes.get(at..).and_then(|rest| first(rest, path_follows)) {
-        tokens.push(Token { kind, range: at..at + length });
+        tokens.push(Token::new(kind, at..at + length));
         at += length;
         path_follows = kind == TokenKind::Include || (path_follows && kind == TokenKind::Whitespace);
     }
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     fn cut(text: &[u8]) -> Vec<(TokenKind, &[u8])> {
-        lex(text).into_iter().map(|token| (token.kind, &text[token.range])).collect()
+        lex(text).into_iter().map(|token| (token.kind, &text[token.range()])).collect()
     }
 
     fn meaningful(text: &str) -> Vec<(TokenKind, String)> {
@@ -203,7 +203,7 @@ mod tests {
         fn the_tokens_of_heaps_of_pieces_are_the_file(pieces in proptest::collection::vec(piece(), 0..40)) {
             let bytes = pieces.concat();
             prop_assert_eq!(cut(&bytes).into_iter().flat_map(|(_, bytes)| bytes.to_vec()).collect::<Vec<_>>(), bytes.clone());
-            prop_assert!(lex(&bytes).iter().all(|token| !token.range.is_empty()));
+            prop_assert!(lex(&bytes).iter().all(|token| !token.range().is_empty()));
         }
     }
 

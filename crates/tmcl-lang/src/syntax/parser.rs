@@ -131,6 +131,8 @@ impl<'a> LineParser<'a> {
         let mut operands: Vec<Operand> = Vec::new();
         let mut missing_comma = None;
         if self.peek().is_some() {
+            // No command takes more.
+            operands.reserve_exact(3);
             operands.push(self.operand("an operand or the end of the line")?);
         }
         while let Some(next) = self.peek() {
@@ -213,8 +215,8 @@ impl<'a> LineParser<'a> {
     fn last_span(&self) -> Span {
         let passed = self.tokens.get(..self.at).unwrap_or_default();
         let last = passed.iter().rfind(|token| token.kind != TokenKind::Whitespace);
-        let start = self.tokens.first().map_or(0, |token| token.range.start);
-        Span::new(self.file, last.map_or(start..start, |token| token.range.clone()))
+        let start = self.tokens.first().map_or(0, |token| token.range().start);
+        Span::new(self.file, last.map_or(start..start, |token| token.range()))
     }
 
     /// Right behind what was passed last.
@@ -224,11 +226,11 @@ impl<'a> LineParser<'a> {
     }
 
     fn span(&self, token: &Token) -> Span {
-        Span::new(self.file, token.range.clone())
+        Span::new(self.file, token.range())
     }
 
     fn text(&self, token: &Token) -> &'a [u8] {
-        self.bytes.get(token.range.clone()).unwrap_or_default()
+        self.bytes.get(token.range()).unwrap_or_default()
     }
 }
 

@@ -31,11 +31,26 @@ pub enum TokenKind {
     Unknown,
 }
 
-/// A token.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A token. Small, for there are many; files beyond 4 GiB are not for us.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Token {
     /// Its kind.
     pub kind: TokenKind,
+    start: u32,
+    end: u32,
+}
+
+impl Token {
+    /// The bytes `range` of a file.
+    #[must_use]
+    pub fn new(kind: TokenKind, range: Range<usize>) -> Self {
+        let offset = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
+        Self { kind, start: offset(range.start), end: offset(range.end) }
+    }
+
     /// Its bytes in the file.
-    pub range: Range<usize>,
+    #[must_use]
+    pub fn range(&self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
 }

@@ -30,7 +30,7 @@ fn line_text(text: &[u8], parse: &Parse, line: &Line) -> String {
         None => {}
     }
     if let Some(comment) = line.comment {
-        let comment = &text[parse.file.tokens[comment].range.clone()];
+        let comment = &text[parse.file.tokens[comment].range()];
         write!(out, " {}", comment.escape_ascii()).unwrap();
     }
     if line.has_errors {
@@ -205,7 +205,7 @@ fn mistakes() {
 fn assert_sound(bytes: &[u8]) -> Result<(), TestCaseError> {
     let Parse { file, diagnostics } = tree(bytes);
     prop_assert_eq!(
-        file.tokens.iter().flat_map(|token| bytes[token.range.clone()].to_vec()).collect::<Vec<_>>(),
+        file.tokens.iter().flat_map(|token| bytes[token.range()].to_vec()).collect::<Vec<_>>(),
         bytes
     );
     let mut next = 0;
