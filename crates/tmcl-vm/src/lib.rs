@@ -4,7 +4,7 @@
 //!   plain `Clone` data.
 //! - [`Machine`] is what a program runs on: it fetches instructions and executes every command that is not the
 //!   interpreter's own business.
-//! - [`step`] executes one instruction. Its work is bounded, whatever the program holds.
+//! - [`step()`] executes one instruction. Its work is bounded, whatever the program holds.
 //! - [`Halt`] is where a debugger comes in, as an argument: looking at a program never changes what it does.
 //!
 //! This crate must never know which module it runs in, nor what time a tick takes: it speaks to a [`Machine`]. It allocates

@@ -66,7 +66,7 @@ impl Vm {
         self.mode = Mode::Stop;
     }
 
-    /// 130: executes one instruction at the next [`crate::step`]; a WAIT is one, however long it takes.
+    /// 130: executes one instruction at the next [`crate::step()`]; a WAIT is one, however long it takes.
     pub fn single_step(&mut self) {
         self.mode = Mode::Step;
         self.steps = true;
@@ -101,7 +101,7 @@ impl Vm {
         self.interrupts.context.is_some()
     }
 
-    /// Whether [`crate::step`] has something to do.
+    /// Whether [`crate::step()`] has something to do.
     #[must_use]
     #[inline]
     pub fn is_active(&self) -> bool {

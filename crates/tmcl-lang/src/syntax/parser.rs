@@ -216,7 +216,7 @@ impl<'a> LineParser<'a> {
         let passed = self.tokens.get(..self.at).unwrap_or_default();
         let last = passed.iter().rfind(|token| token.kind != TokenKind::Whitespace);
         let start = self.tokens.first().map_or(0, |token| token.range().start);
-        Span::new(self.file, last.map_or(start..start, |token| token.range()))
+        Span::new(self.file, last.map_or(start..start, Token::range))
     }
 
     /// Right behind what was passed last.

@@ -12,7 +12,7 @@ pub(crate) fn listing(assembly: &Assembly) -> String {
         add_file(&mut text, assembly, file, source);
     }
     if assembly.program.appended_stop
-        && let Some((address, stop)) = assembly.program.instructions.iter().enumerate().last()
+        && let Some((address, stop)) = assembly.program.instructions.iter().enumerate().next_back()
     {
         let _ = writeln!(text, "{address:>4}  {}        (appended)", hexadecimal(stop.to_bytes()));
     }
