@@ -99,6 +99,17 @@ fn virtual_environment() -> Result<PathBuf> {
     Ok(python)
 }
 
+/// What parses bytes or text from outside.
+const FUZZ_TARGETS: [&str; 7] = [
+    "serial_decoder",
+    "firmware_bytes",
+    "program",
+    "bench_file",
+    "expectation",
+    "client_replies",
+    "assembler",
+];
+
 /// Each fuzz target for a few seconds, from an empty corpus: a smoke run, not a campaign.
 fn fuzz() -> Result<()> {
     let tools = workspace_root().join("target/tools");
@@ -109,9 +120,7 @@ fn fuzz() -> Result<()> {
         check(Command::new(env!("CARGO")).args(install).arg(&tools))
             .context("cargo needs to reach crates.io")?;
     }
-    for target in
-        ["serial_decoder", "firmware_bytes", "bench_file", "client_replies", "expectation", "assembler"]
-    {
+    for target in FUZZ_TARGETS {
         check(
             Command::new(&cargo_fuzz)
                 .args(["run", target, "--", "-max_total_time=10", "-verbosity=0"])

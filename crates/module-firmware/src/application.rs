@@ -51,20 +51,26 @@ pub(crate) struct ProgramStatus {
 }
 
 impl<A: Axis> Firmware<A> {
-    /// Lets the program execute what is its share of a control period.
+    /// Lets the program execute what is its share of a control period, or what a halt left of it.
     pub(crate) fn run_program(&mut self, halt: &mut impl Halt<Self>) -> Result<(), Halted> {
-        if !self.vm.is_active() {
-            return Ok(());
+        if self.vm.is_active() {
+            self.notice_timers();
+            self.notice_edges();
+            self.run_share(halt)?;
         }
-        self.notice_timers();
-        self.notice_edges();
-        for _ in 0..self.instructions_per_tick {
-            if self.program_job.is_some() {
-                break;
-            }
+        self.executed = 0;
+        Ok(())
+    }
+
+    /// A storage job ends the share, and so does a refusal: there is room for one until somebody takes it.
+    fn run_share(&mut self, halt: &mut impl Halt<Self>) -> Result<(), Halted> {
+        while self.executed < self.instructions_per_tick && self.program_job.is_none() {
             match tmcl_vm::step(self, halt) {
-                Stepped::Executed { .. } => {}
-                Stepped::Refused { address, status } => self.refusal = Some(Refusal { address, status }),
+                Stepped::Executed { .. } => self.executed += 1,
+                Stepped::Refused { address, status } => {
+                    self.executed = self.instructions_per_tick;
+                    self.refusal = Some(Refusal { address, status });
+                }
                 Stepped::Halted { address } => return Err(Halted { address }),
                 Stepped::Idle | Stepped::Waiting => break,
             }
@@ -111,9 +117,11 @@ impl<A: Axis> Firmware<A> {
     }
 
     pub(crate) fn program_status(&self) -> ProgramStatus {
+        let last = self.programs.instructions().len().saturating_sub(1);
         ProgramStatus {
             mode: self.vm.mode().number(),
-            address: self.vm.address(),
+            // A program that ran past the end stands at the last instruction for those who ask.
+            address: self.vm.address().min(u16::try_from(last).unwrap_or(u16::MAX)),
             downloading: self.download.is_some(),
         }
     }
@@ -140,7 +148,7 @@ impl<A: Axis> Firmware<A> {
 
     /// 132: what comes next over this port is stored from `value` on. A running program is stopped.
     pub(crate) fn start_download(&mut self, port: PortId, value: i32) -> Result<Outcome, Status> {
-        if self.code_protection() & 2 != 0 {
+        if self.is_overwriting_protected() {
             return Err(Status::NotAvailable);
         }
         let next = self.program_address(value)?;
@@ -162,8 +170,9 @@ impl<A: Axis> Firmware<A> {
 
     /// 135.
     pub(crate) fn application_status(&self) -> Outcome {
-        let [high, low] = self.vm.address().to_be_bytes();
-        Outcome::Done(i32::from_be_bytes([self.vm.mode().number(), 0, high, low]))
+        let ProgramStatus { mode, address, .. } = self.program_status();
+        let [high, low] = address.to_be_bytes();
+        Outcome::Done(i32::from_be_bytes([mode, 0, high, low]))
     }
 
     /// While a port downloads, everything but commands 128 to 139 is stored instead of executed.
@@ -173,9 +182,14 @@ impl<A: Axis> Firmware<A> {
         origin: Origin,
     ) -> Option<Result<Outcome, Status>> {
         let Origin::Host(port) = origin else { return None };
+        let protected = self.is_overwriting_protected();
         let download = self.download.as_mut().filter(|download| download.port == port)?;
         if (Command::ApplicationStop.number()..=Command::EnterAsciiMode.number()).contains(&request.command) {
             return None;
+        }
+        // Another port may have set the protection since the download began.
+        if protected {
+            return Some(Err(Status::NotAvailable));
         }
         let (address, instruction) = (download.next, request.to_bytes());
         if self.programs.get(address).is_none() {
@@ -189,6 +203,10 @@ impl<A: Axis> Firmware<A> {
     /// Global parameter 81: bit 0 protects against reading back, bit 1 against overwriting (TMCM-1311 §10.1).
     fn code_protection(&self) -> i32 {
         self.globals.setting(GlobalParameter::CodeProtection)
+    }
+
+    fn is_overwriting_protected(&self) -> bool {
+        self.code_protection() & 2 != 0
     }
 
     fn program_address(&self, value: i32) -> Result<u16, Status> {

@@ -88,6 +88,15 @@ impl<A: Axis> Firmware<A> {
         }
     }
 
+    /// Control periods have passed in which no enabled timer expired: the others go on with their beat.
+    pub(crate) fn pass_timers(&mut self) {
+        if let Some(last) = self.ticks.checked_sub(1).filter(|_| self.vm.is_active()) {
+            for timer in &mut self.sources.timers {
+                timer.expires(last);
+            }
+        }
+    }
+
     /// Raises the enabled interrupts whose level changed the way they are set to.
     pub(crate) fn notice_edges(&mut self) {
         let enabled = self.vm.enabled_interrupts();

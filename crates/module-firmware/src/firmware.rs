@@ -26,6 +26,8 @@ pub struct Firmware<A: Axis> {
     pub(crate) refusal: Option<Refusal>,
     pub(crate) sources: Sources,
     pub(crate) instructions_per_tick: u16,
+    /// How many of them are executed; not 0 only while a debugger halts among them.
+    pub(crate) executed: u16,
     pub(crate) ticks: u64,
     pub(crate) ports: [Port; PORTS],
     pub(crate) pending: Option<Pending>,
@@ -45,6 +47,7 @@ impl<A: Axis> Firmware<A> {
             refusal: None,
             sources: Sources::default(),
             instructions_per_tick: 1,
+            executed: 0,
             ticks: 0,
             ports: [const { Port::new() }; PORTS],
             pending: None,
@@ -93,6 +96,7 @@ impl<A: Axis> Firmware<A> {
     /// Lets `ticks` control periods pass in which nothing changes ([`Firmware::is_idle`]).
     pub fn skip(&mut self, ticks: u64) {
         self.ticks = self.ticks.wrapping_add(ticks);
+        self.pass_timers();
     }
 
     /// How long every port's line may be silent within a datagram before what came of it is dropped; 100 ms by default.

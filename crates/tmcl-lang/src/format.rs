@@ -147,7 +147,8 @@ impl<'a> Source<'a> {
     /// `\r\n` where most lines end so, otherwise `\n`.
     fn newline(&self) -> &'static [u8] {
         let newlines = self.file.tokens.iter().filter(|token| token.kind == TokenKind::Newline);
-        let (windows, others): (Vec<&Token>, Vec<&Token>) = newlines.partition(|token| token.range().len() == 2);
+        let (windows, others): (Vec<&Token>, Vec<&Token>) =
+            newlines.partition(|token| token.range().len() == 2);
         if windows.len() > others.len() { b"\r\n" } else { b"\n" }
     }
 }

@@ -27,7 +27,8 @@ pub trait Machine {
     fn has_motor(&self, motor: u8) -> bool;
     /// Whether what a WAIT waits for is the case.
     fn has_happened(&self, event: WaitEvent) -> bool;
-    /// Executes a command that is not flow control, as if a host had sent it, and returns the value of the reply.
+    /// Executes a command that is not flow control, as if a host had sent it, and returns the value of the reply. What
+    /// [`Machine::has_command`] denies comes here too, to be refused.
     ///
     /// # Errors
     /// The status that refuses it.

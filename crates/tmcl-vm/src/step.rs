@@ -120,10 +120,9 @@ fn finish(vm: &mut Vm, address: u16, executed: &Executed) -> Stepped {
 /// Flow control and registers are the interpreter's; all the rest is the module's.
 fn execute<M: Machine>(machine: &mut M, request: &Request, now: u64) -> Executed {
     let &Request { command, kind, motor, value } = request;
-    if !machine.has_command(command) {
-        return Err(Status::InvalidCommand);
-    }
-    let Ok(known) = Command::try_from(command) else { return machine.execute(request).map(|_| Flow::Next) };
+    let known = Command::try_from(command).ok().filter(|_| machine.has_command(command));
+    // The module knows why it refuses what no program on it may hold.
+    let Some(known) = known else { return machine.execute(request).map(|_| Flow::Next) };
     let vm = machine.vm_mut();
     match known {
         Command::Calculate => done(vm.registers.calculate(kind, value)),

@@ -68,6 +68,7 @@ pub(crate) struct Module<A: Axis, H> {
     silence_ticks: Option<u64>,
     instructions_per_tick: u16,
     refusals: Refusals,
+    time_ns: u64,
 }
 
 impl<A, H> Module<A, H>
@@ -87,6 +88,7 @@ where
             silence_ticks: None,
             instructions_per_tick,
             refusals,
+            time_ns: 0,
         };
         module.set_up();
         module
@@ -100,10 +102,13 @@ where
         }
     }
 
-    /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time.
+    /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time. Notes what was refused.
     fn work(&mut self) {
         while self.firmware.has_background_work() {
             self.firmware.background(&mut self.eeprom);
+        }
+        if let Some(refusal) = self.firmware.take_refusal() {
+            self.refusals.add(refusal, self.time_ns);
         }
     }
 }
@@ -114,6 +119,7 @@ where
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
 {
     fn tick(&mut self, until_ns: u64) -> bool {
+        self.time_ns = until_ns;
         if !self.powered {
             return self.hardware.advance(&A::Drive::default(), until_ns);
         }
@@ -122,13 +128,11 @@ where
         let drive = self.firmware.tick(&sensed);
         let changed = self.hardware.advance(&drive, until_ns);
         self.work();
-        if let Some(refusal) = self.firmware.take_refusal() {
-            self.refusals.add(refusal, until_ns);
-        }
         changed || !idle
     }
 
     fn rest(&mut self, periods: u64, until_ns: u64) {
+        self.time_ns = until_ns;
         self.hardware.rest(periods, until_ns);
         if self.powered {
             self.firmware.skip(periods);

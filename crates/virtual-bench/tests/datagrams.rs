@@ -2,7 +2,8 @@
 //! well-formed reply, and nothing else gets any.
 //!
 //! A million datagrams from a seeded generator, against a model that knows just enough of the module to tell what must
-//! come back: who it and its host are, whether it may speak, and what a restart would make of that.
+//! come back: who it and its host are, whether it may speak, what a restart would make of that, and how an empty program
+//! is doing.
 
 mod common;
 
@@ -47,6 +48,46 @@ impl Random {
     }
 }
 
+/// The state of a program that is all STOP, since nothing is ever downloaded: mode and program counter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Program {
+    mode: i32,
+    counter: i32,
+}
+
+impl Program {
+    const STOPPED: Self = Self { mode: 0, counter: 0 };
+    const RUNNING: Self = Self { mode: 1, counter: 0 };
+
+    /// What command 135 reports (decisions 1.8).
+    fn status(self) -> i32 {
+        self.mode << 24 | self.counter
+    }
+
+    /// The status that 128 to 131 get, and what they do (decisions 1.6).
+    fn command(&mut self, Request { command, kind, value, .. }: Request) -> Status {
+        match (command, kind) {
+            (128, _) => self.mode = 0,
+            (129, 0) => self.mode = 1,
+            (129, 1) if (0..2048).contains(&value) => *self = Self { mode: 1, counter: value },
+            (129, 1) => return Status::InvalidValue,
+            (129, _) => return Status::WrongType,
+            // It executes STOP at once.
+            (130, _) => self.mode = 0,
+            (131, _) => *self = Self { mode: 3, counter: 0 },
+            _ => {}
+        }
+        Status::Ok
+    }
+
+    /// A running program executes STOP.
+    fn tick(&mut self) {
+        if self.mode == 1 {
+            self.mode = 0;
+        }
+    }
+}
+
 /// What decides whether and how the module replies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Model {
@@ -56,19 +97,37 @@ struct Model {
     suppressed: bool,
     locked: bool,
     magic: i32,
+    /// Global parameters 77 and 81.
+    auto_start: bool,
+    protection: i32,
+    program: Program,
     /// Requests of 138 whose event is still to come.
     events: u32,
 }
 
 impl Model {
     /// As delivered (decisions 2a.20).
-    const FACTORY: Self =
-        Self { address: 1, host: 2, secondary: 0, suppressed: false, locked: false, magic: 228, events: 0 };
+    const FACTORY: Self = Self {
+        address: 1,
+        host: 2,
+        secondary: 0,
+        suppressed: false,
+        locked: false,
+        magic: 228,
+        auto_start: false,
+        protection: 0,
+        program: Program::STOPPED,
+        events: 0,
+    };
 
     /// Switched off and on: all but the suppression is stored, unless the magic says to forget it (decisions 2a.13).
     fn restart(&mut self) {
-        *self =
-            if self.magic == 228 { Self { suppressed: false, events: 0, ..*self } } else { Self::FACTORY };
+        let program = if self.auto_start { Program::RUNNING } else { Program::STOPPED };
+        *self = if self.magic == 228 {
+            Self { suppressed: false, events: 0, program, ..*self }
+        } else {
+            Self::FACTORY
+        };
     }
 
     /// A global parameter of bank 0 was written.
@@ -80,6 +139,13 @@ impl Model {
             Some(GlobalParameter::SuppressReply) => self.suppressed = value == 1,
             Some(GlobalParameter::EepromLock) => self.locked = value == 1234,
             Some(GlobalParameter::EepromMagic) => self.magic = value,
+            Some(GlobalParameter::AutoStart) => self.auto_start = value == 1,
+            Some(GlobalParameter::CodeProtection) => {
+                if self.protection & !value & 1 != 0 {
+                    self.program.mode = 0; // erased
+                }
+                self.protection = value;
+            }
             _ => {}
         }
     }
@@ -96,6 +162,8 @@ fn is_tracked(number: u8) -> bool {
                 | GlobalParameter::SuppressReply
                 | GlobalParameter::EepromLock
                 | GlobalParameter::EepromMagic
+                | GlobalParameter::AutoStart
+                | GlobalParameter::CodeProtection
         )
     )
 }
@@ -122,6 +190,8 @@ struct Counts {
     suppressed: u64,
     restarts: u64,
     events: u64,
+    /// Reports of command 135, by mode.
+    modes: [u64; 4],
 }
 
 /// A module, the model of it, and what it has said that nobody has looked at yet.
@@ -143,7 +213,7 @@ impl Judge {
         let (first, rest) = bytes.split_at(cut);
         self.heard.extend(self.module.exchange(first));
         if !rest.is_empty() {
-            self.module.run_ticks(random.below(40));
+            self.pass(random.below(40));
             self.heard.extend(self.module.exchange(rest));
         }
     }
@@ -153,8 +223,15 @@ impl Judge {
         self.run_ticks(101 * common::TICKS_PER_MS);
     }
 
-    fn run_ticks(&mut self, ticks: u64) {
+    fn pass(&mut self, ticks: u64) {
         self.module.run_ticks(ticks);
+        if ticks > 0 {
+            self.model.program.tick();
+        }
+    }
+
+    fn run_ticks(&mut self, ticks: u64) {
+        self.pass(ticks);
         self.heard.extend(self.module.exchange(&[]));
     }
 
@@ -260,9 +337,9 @@ impl Judge {
                     assert_eq!(self.reply(request, context).status, Status::Ok);
                 }
                 self.nothing_more(context);
+                self.model.restart();
                 self.run_ticks(20);
                 self.counts.restarts += 1;
-                self.model.restart();
                 self.nothing_more(context);
                 return;
             }
@@ -274,6 +351,11 @@ impl Judge {
             let expected = serial::encode_version_string(self.model.host, *b"1311V111");
             assert_eq!(self.next_heard(context), Some(expected), "to {context:02x?}");
             self.counts.answered += 1;
+        } else if self.reads_program(request) {
+            // Erased memory reads as STOP (decisions 3.1).
+            let expected = serial::encode_instruction(self.model.host, [28, 0, 0, 0, 0, 0, 0]);
+            assert_eq!(self.next_heard(context), Some(expected), "to {context:02x?}");
+            self.counts.answered += 1;
         } else {
             let reply = self.reply(request, context);
             self.counts.answered += 1;
@@ -282,12 +364,20 @@ impl Judge {
             return;
         }
         self.nothing_more(context);
+        self.model.program.command(request);
         if request.command == Command::SetGlobalParameter.number() && bank_0 {
             let status = status_of_sgp(request.kind, request.value, self.model.locked);
             if status == Status::Ok {
                 self.model.written(request.kind, request.value);
             }
         }
+    }
+
+    /// Whether 134 has something to show (decisions 1.7).
+    fn reads_program(&self, request: Request) -> bool {
+        request.command == Command::ReadProgramMemory.number()
+            && self.model.protection & 1 == 0
+            && (0..2048).contains(&request.value)
     }
 
     /// What an answered request changes for those to come.
@@ -306,6 +396,32 @@ impl Judge {
             // AGP replies with the accumulator, which is what it wrote (decisions 3.9).
             Some(Command::AccumulatorToGlobalParameter) if done && request.motor == 0 => {
                 self.model.written(request.kind, reply.value);
+            }
+            Some(
+                Command::ApplicationStop
+                | Command::ApplicationRun
+                | Command::ApplicationStep
+                | Command::ApplicationReset,
+            ) => {
+                assert_eq!(reply.status, self.model.program.command(request), "{request:?}");
+            }
+            Some(Command::ApplicationStatus) => {
+                assert_eq!(reply.value, self.model.program.status(), "{:?}", self.model);
+                self.counts.modes[self.model.program.mode as usize] += 1;
+            }
+            Some(Command::ReadProgramMemory) => {
+                let protected = self.model.protection & 1 != 0;
+                let expected = if protected { Status::NotAvailable } else { Status::InvalidValue };
+                assert_eq!(reply.status, expected, "{request:?}");
+            }
+            Some(Command::GetGlobalParameter) if request.motor == 0 => {
+                let expected = match request.kind {
+                    128 => self.model.program.mode,
+                    129 => 0,
+                    130 => self.model.program.counter,
+                    _ => reply.value,
+                };
+                assert_eq!(reply.value, expected, "{request:?}, {:?}", self.model);
             }
             Some(_) => {}
             None => assert_eq!(reply.status, Status::InvalidCommand, "{request:?}"),
@@ -338,7 +454,7 @@ fn plausible(random: &mut Random) -> Request {
 /// A request that changes who answers whom, or makes the module speak unasked.
 fn unsettling(random: &mut Random) -> Request {
     let byte = i32::from(random.byte());
-    let (command, kind, value) = match random.below(12) {
+    let (command, kind, value) = match random.below(14) {
         0 => (Command::SetGlobalParameter, 66, byte),
         1 => (Command::SetGlobalParameter, 76, byte),
         2 => (Command::SetGlobalParameter, 87, byte),
@@ -346,13 +462,31 @@ fn unsettling(random: &mut Random) -> Request {
         4 => (Command::SetGlobalParameter, 73, random.pick(&[1234, 4321, 4321, byte])),
         5 => (Command::SetGlobalParameter, 64, random.pick(&[228, 228, byte])),
         6 => (Command::Calculate, 9, byte),
-        7 => (Command::AccumulatorToGlobalParameter, random.pick(&[66, 76, 87, 255]), 0),
+        7 => (Command::AccumulatorToGlobalParameter, random.pick(&[66, 76, 77, 81, 87, 255]), 0),
         8 => (Command::MoveToPosition, 1, byte - 128),
         9 if random.one_in(5) => (Command::FactoryReset, 0, RESET_VALUE),
         10 if random.one_in(5) => (Command::SoftwareReset, 0, RESET_VALUE),
+        11 => (Command::SetGlobalParameter, 77, byte & 1),
+        12 => (Command::SetGlobalParameter, 81, byte & 3),
         _ => (Command::RequestPositionReachedEvent, 0, 0),
     };
     Request::new(command, kind, 0, value)
+}
+
+/// A request about the program.
+fn about_program(random: &mut Random) -> Request {
+    let address = random.pick(&[0, 1, 2047, 2048, -1, 65_536]);
+    let read = |number| Request::new(Command::GetGlobalParameter, number, 0, 0);
+    match random.below(12) {
+        0 => Request::new(Command::ApplicationStop, random.byte(), random.byte(), address),
+        1..=3 => Request::new(Command::ApplicationRun, random.below(3) as u8, random.byte(), address),
+        4 => Request::new(Command::ApplicationStep, random.byte(), random.byte(), address),
+        5 => Request::new(Command::ApplicationReset, random.byte(), random.byte(), address),
+        6 => Request::new(Command::DownloadEnd, random.byte(), random.byte(), address),
+        7 => Request::new(Command::ReadProgramMemory, random.byte(), random.byte(), address),
+        8 => read(128 + random.below(3) as u8),
+        _ => Request::new(Command::ApplicationStatus, random.byte(), random.byte(), address),
+    }
 }
 
 /// What the generator leaves out, because the model could not tell what follows.
@@ -360,6 +494,10 @@ fn is_out_of_scope(request: Request, aloud: bool) -> bool {
     // ASCII mode (139) comes with a later issue, and then ends the binary conversation (decisions 1.10, 2a.16); likewise
     // bit 0 of global parameter 67 at the next restart.
     if request.command == Command::EnterAsciiMode.number() {
+        return true;
+    }
+    // A download keeps everything that follows from being executed.
+    if request.command == Command::DownloadStart.number() {
         return true;
     }
     let writes_setting = request.motor == 0;
@@ -395,6 +533,7 @@ fn a_million_datagrams_get_the_replies_they_deserve_and_no_others() {
         let request = match random.below(60) {
             0..=19 => Request::from_bytes(core::array::from_fn(|_| random.byte())),
             20..=21 => unsettling(&mut random),
+            22..=25 => about_program(&mut random),
             _ => plausible(&mut random),
         };
         let mut datagram = serial::encode_request(address, request);
@@ -429,11 +568,13 @@ fn a_million_datagrams_get_the_replies_they_deserve_and_no_others() {
     }
     let counts = &judge.counts;
     println!("{counts:?}");
-    let Counts { answered, wrong_checksum, foreign, partial, secondary, suppressed, restarts, events } =
+    let Counts { answered, wrong_checksum, foreign, partial, secondary, suppressed, restarts, events, modes } =
         *counts;
     let rarest =
         [wrong_checksum, foreign, partial, secondary, suppressed, restarts, events].into_iter().min();
     assert!(answered > rounds / 2 && rarest > Some(rounds / 2000), "the generator misses a kind: {counts:?}");
+    let [stopped, running, stepping, reset] = modes;
+    assert!(stopped.min(running).min(reset) > rounds / 2000 && stepping == 0, "{counts:?}");
 }
 
 #[test]

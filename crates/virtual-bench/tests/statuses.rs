@@ -25,17 +25,18 @@ const FLOW_CONTROL: [Command; 12] = [
     Command::ReturnFromInterrupt,
 ];
 
-/// Reference search, programs and ASCII mode come with later issues.
-const LATER: [Command; 9] = [
-    Command::ReferenceSearch,
-    Command::ApplicationStop,
-    Command::ApplicationRun,
-    Command::ApplicationStep,
-    Command::ApplicationReset,
-    Command::DownloadStart,
-    Command::DownloadEnd,
-    Command::ReadProgramMemory,
-    Command::EnterAsciiMode,
+/// Reference search and ASCII mode come with later issues.
+const LATER: [Command; 2] = [Command::ReferenceSearch, Command::EnterAsciiMode];
+
+/// Addresses of the program memory: 2048 instructions (decisions 3.1).
+const ADDRESSES: [(i32, Status); 7] = [
+    (0, Ok),
+    (1, Ok),
+    (2047, Ok),
+    (2048, InvalidValue),
+    (65_536, InvalidValue),
+    (-1, InvalidValue),
+    (i32::MIN, InvalidValue),
 ];
 
 /// Commands that find something wrong with all fields 0, for a reason of their own.
@@ -73,6 +74,12 @@ fn every_command_number_is_judged_as_the_tables_say() {
         if number == Command::FirmwareVersion.number() {
             let answer = module.exchange(&serial::encode_request(1, request));
             assert_eq!(answer, b"\x021311V111");
+            continue;
+        }
+        if number == Command::ReadProgramMemory.number() {
+            let answer = module.exchange(&serial::encode_request(1, request));
+            // The host, an erased instruction, which is STOP, and the sum (decisions 1.7, 3.1).
+            assert_eq!(answer, [2, 28, 0, 0, 0, 0, 0, 0, 30]);
             continue;
         }
         let first = module.replies(request)[0];
@@ -158,6 +165,7 @@ fn unknown_types_are_wrong_types() {
         assert_eq!(module.status(Command::MoveToPosition, kind, 0, 0), expected(3), "MVP {kind}");
         assert_eq!(module.status(Command::Calculate, kind, 0, 0), expected(10), "CALC {kind}");
         assert_eq!(module.status(Command::CalculateX, kind, 0, 0), expected(11), "CALCX {kind}");
+        assert_eq!(module.status(Command::ApplicationRun, kind, 0, 0), expected(2), "129, type {kind}");
         if kind > 0 {
             assert_eq!(module.status(Command::FirmwareVersion, kind, 0, 0), expected(2), "136, type {kind}");
         }
@@ -180,6 +188,47 @@ fn fields_that_mean_nothing_may_hold_anything() {
     assert_eq!(module.ok(Command::GetGlobalParameter, 66, 0, -1), 1);
     assert_eq!(module.ok(Command::GetCoordinate, 5, 0, -1), 0);
     assert_eq!(module.ok(Command::ApplicationStatus, 3, 4, 5), 0);
+    for command in
+        [Command::ApplicationStop, Command::ApplicationStep, Command::ApplicationReset, Command::DownloadEnd]
+    {
+        assert_eq!(module.ok(command, 99, 7, -5), -5, "{command:?}");
+    }
+    assert_eq!(module.ok(Command::ApplicationRun, 0, 7, -5), -5, "from where it stands");
+    assert_eq!(module.ok(Command::DownloadStart, 99, 7, 5), 5);
+}
+
+/// "Address outside program memory: status 4" (decisions §2).
+#[test]
+fn addresses_are_those_of_the_program_memory() {
+    for (address, expected) in ADDRESSES {
+        let mut module = Module::new();
+        assert_eq!(module.status(Command::ApplicationRun, 1, 0, address), expected, "129, 1, {address}");
+        let running = if expected == Ok { 1 << 24 | address } else { 0 };
+        assert_eq!(module.ok(Command::ApplicationStatus, 0, 0, 0), running, "129, 1, {address}");
+        assert_eq!(module.status(Command::ApplicationRun, 0, 0, address), Ok, "129, 0, {address}");
+        if expected == InvalidValue {
+            assert_eq!(module.status(Command::ReadProgramMemory, 0, 0, address), expected, "134 {address}");
+        }
+        assert_eq!(module.status(Command::DownloadStart, 0, 0, address), expected, "132 {address}");
+        assert_eq!(module.ggp_while_downloading(GlobalParameter::DownloadMode), i32::from(expected == Ok));
+    }
+}
+
+/// GP 81: 1 protects against reading back, 2 against overwriting, 3 against both (§10.1; decisions §2, 1.7). It is asked
+/// before the value.
+#[test]
+fn a_protected_program_is_not_available() {
+    for (protection, read, write) in [
+        (0, InvalidValue, InvalidValue),
+        (1, NotAvailable, InvalidValue),
+        (2, InvalidValue, NotAvailable),
+        (3, NotAvailable, NotAvailable),
+    ] {
+        let mut module = Module::new();
+        module.sgp(GlobalParameter::CodeProtection, protection);
+        assert_eq!(module.status(Command::ReadProgramMemory, 0, 0, 2048), read, "GP 81 = {protection}");
+        assert_eq!(module.status(Command::DownloadStart, 0, 0, 2048), write, "GP 81 = {protection}");
+    }
 }
 
 #[test]
@@ -309,6 +358,13 @@ fn setting_commands_reply_with_the_value_sent() {
         (Command::SetOutput, 255, 2, -1),
         (Command::SetCoordinate, 4, 0, ODD),
         (Command::CaptureCoordinate, 4, 0, ODD),
+        (Command::ApplicationStop, 0, 0, ODD),
+        (Command::ApplicationRun, 0, 0, ODD),
+        (Command::ApplicationRun, 1, 0, 2047),
+        (Command::ApplicationStep, 0, 0, ODD),
+        (Command::ApplicationReset, 0, 0, ODD),
+        (Command::DownloadStart, 0, 0, 2047),
+        (Command::DownloadEnd, 0, 0, ODD),
     ] {
         assert_eq!(module.ok(command, kind, motor, value), value, "{command:?} {kind}, {motor}, {value}");
     }
@@ -331,6 +387,7 @@ fn of_two_statuses_the_earlier_field_decides() {
         (Command::SetGlobalParameter, 66, 9, 256, WrongType),
         (Command::SetGlobalParameter, 128, 0, 9, WrongType),
         (Command::FactoryReset, 9, 9, 0, InvalidValue),
+        (Command::ApplicationRun, 2, 0, 2048, WrongType),
     ] {
         assert_eq!(
             module.status(command, kind, motor, value),

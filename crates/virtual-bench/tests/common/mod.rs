@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
 pub(crate) mod motion;
+pub(crate) mod program;
 
 use std::fmt::Display;
 
@@ -24,7 +25,7 @@ pub(crate) const TICKS_PER_MS: u64 = 1_000_000 / TICK_NS;
 /// µsteps in a turn at 256 µsteps per full step.
 pub(crate) const TURN: i32 = 51_200;
 
-const MODULE: ModuleId = ModuleId(0);
+pub(crate) const MODULE: ModuleId = ModuleId(0);
 
 /// A module, and where the host believes it and itself to be.
 #[derive(Clone, Debug)]
