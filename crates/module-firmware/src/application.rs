@@ -196,7 +196,6 @@ impl<A: Axis> Firmware<A> {
             return Some(Err(Status::InvalidValue));
         }
         download.next += 1;
-        self.programs.set(address, instruction);
         Some(Ok(Outcome::Loaded(Job::WriteInstruction(address, instruction), request.value)))
     }
 

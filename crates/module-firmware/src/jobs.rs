@@ -57,10 +57,11 @@ enum Progress {
 impl<A: Axis> Firmware<A> {
     /// What takes long: at most one record is written, and then its reply sent. True while there is more to do.
     pub fn background<S: Storage>(&mut self, storage: &mut S) -> bool {
-        if let Some(job) = self.program_job.take() {
-            self.work_for_program(job, storage);
-        } else if let Some(pending) = self.pending.take() {
+        // A host goes first, or a program that stores all the time would keep it waiting for ever.
+        if let Some(pending) = self.pending.take() {
             self.work(pending, storage);
+        } else if let Some(job) = self.program_job.take() {
+            self.work_for_program(job, storage);
         }
         if !self.has_background_work() {
             PortId::ALL.into_iter().for_each(|port| self.serve(port));
@@ -104,8 +105,12 @@ impl<A: Axis> Firmware<A> {
     fn step<S: Storage>(&mut self, job: Job, storage: &mut S) -> Result<Progress, StorageError> {
         match job {
             Job::Write(key, value) => write_value(storage, key, value)?,
-            Job::WriteInstruction(address, instruction) => storage.write_instruction(address, instruction)?,
+            Job::WriteInstruction(address, instruction) => {
+                storage.write_instruction(address, instruction)?;
+                self.programs.set(address, instruction);
+            }
             Job::EraseProgram(key, value) => {
+                // What is protected must not become readable even if the medium fails.
                 self.programs.erase();
                 storage.erase_program()?;
                 return Ok(Progress::More(Job::Write(key, value)));
