@@ -1,16 +1,14 @@
-//! The stand-alone program: how a host loads, starts and stops it (commands 128 to 135), and how it runs beside direct mode.
+//! The stand-alone program: how a host starts and stops it (commands 128 to 135), and how it runs beside direct mode.
 
-use tmcl_tables::{Command, GlobalParameter, Status};
-use tmcl_vm::{Halt, Machine, NeverHalt, Stepped, Vm, WaitEvent};
-use tmcl_wire::Request;
+use tmcl_tables::{Command, Status};
+use tmcl_vm::{Halt, NeverHalt, Stepped, Vm};
 
-use crate::TICKS_PER_MS;
 use crate::axis::Axis;
-use crate::dispatch::{Origin, Outcome};
+use crate::dispatch::Outcome;
 use crate::firmware::Firmware;
 use crate::jobs::Job;
 use crate::port::PortId;
-use crate::program_memory::{Instruction, ProgramMemory};
+use crate::program_memory::ProgramMemory;
 
 /// An instruction of the program that the module refused. It was skipped (decision).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,18 +19,12 @@ pub struct Refusal {
     pub status: Status,
 }
 
-/// The program is about to execute an instruction that a debugger wants to look at; nothing has happened.
+/// The program is about to execute an instruction that a debugger wants to look at. It was not executed, and no time has
+/// passed; but a WAIT may have ended just before it, or an interrupt routine begun with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Halted {
     /// Where it stands.
     pub address: u16,
-}
-
-/// A download under way. It belongs to the port it was begun at; others go on talking to the module as ever.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Download {
-    pub(crate) port: PortId,
-    next: u16,
 }
 
 /// A storage job of the program, which goes on once it is done.
@@ -89,7 +81,7 @@ impl<A: Axis> Firmware<A> {
             return true;
         }
         let Some((event, _)) = self.vm.waits() else { return false };
-        let happened = event.is_some_and(|event| self.has_happened(event));
+        let happened = event.is_some_and(|event| self.axis.has_happened(event));
         !happened && self.quiet_ticks() > 0 && !self.has_unnoticed_edge()
     }
 
@@ -126,8 +118,30 @@ impl<A: Axis> Firmware<A> {
         }
     }
 
+    /// Commands 128 to 135, which only a host sends.
+    pub(crate) fn control_application(
+        &mut self,
+        command: Command,
+        kind: u8,
+        value: i32,
+        port: PortId,
+    ) -> Result<Outcome, Status> {
+        match command {
+            Command::ApplicationStop => self.vm.stop(),
+            Command::ApplicationRun => self.run_application(kind, value)?,
+            Command::ApplicationStep => self.step_application(),
+            Command::ApplicationReset => self.vm.reset(),
+            Command::DownloadStart => self.start_download(port, value)?,
+            Command::DownloadEnd => self.end_download(port),
+            Command::ReadProgramMemory => return self.read_program(value),
+            Command::ApplicationStatus => return Ok(self.application_status()),
+            _ => return Err(Status::InvalidCommand),
+        }
+        Ok(Outcome::Done(value))
+    }
+
     /// 129: type 0 goes on, type 1 starts at an address.
-    pub(crate) fn run_application(&mut self, kind: u8, value: i32) -> Result<Outcome, Status> {
+    fn run_application(&mut self, kind: u8, value: i32) -> Result<(), Status> {
         match kind {
             0 => self.vm.resume(),
             _ => {
@@ -135,138 +149,26 @@ impl<A: Axis> Firmware<A> {
                 self.vm.run_from(address);
             }
         }
-        Ok(Outcome::Done(value))
+        Ok(())
     }
 
     /// 130: the instruction is executed before the reply.
-    pub(crate) fn step_application(&mut self, value: i32) -> Outcome {
+    fn step_application(&mut self) {
         self.vm.single_step();
         // Nothing halts here.
         let _ = self.run_program(&mut NeverHalt);
-        Outcome::Done(value)
-    }
-
-    /// 132: what comes next over this port is stored from `value` on. A running program is stopped.
-    pub(crate) fn start_download(&mut self, port: PortId, value: i32) -> Result<Outcome, Status> {
-        if self.is_overwriting_protected() {
-            return Err(Status::NotAvailable);
-        }
-        let next = self.program_address(value)?;
-        self.vm.stop();
-        self.download = Some(Download { port, next });
-        Ok(Outcome::Done(value))
-    }
-
-    /// 134.
-    pub(crate) fn read_program(&self, value: i32) -> Result<Outcome, Status> {
-        if self.code_protection() & 1 != 0 {
-            return Err(Status::NotAvailable);
-        }
-        let address = u16::try_from(value).ok();
-        let instruction =
-            address.and_then(|address| self.programs.get(address)).ok_or(Status::InvalidValue)?;
-        Ok(Outcome::Instruction(instruction))
     }
 
     /// 135.
-    pub(crate) fn application_status(&self) -> Outcome {
+    fn application_status(&self) -> Outcome {
         let ProgramStatus { mode, address, .. } = self.program_status();
         let [high, low] = address.to_be_bytes();
         Outcome::Done(i32::from_be_bytes([mode, 0, high, low]))
     }
 
-    /// While a port downloads, everything but commands 128 to 139 is stored instead of executed.
-    pub(crate) fn store_instruction(
-        &mut self,
-        request: &Request,
-        origin: Origin,
-    ) -> Option<Result<Outcome, Status>> {
-        let Origin::Host(port) = origin else { return None };
-        let protected = self.is_overwriting_protected();
-        let download = self.download.as_mut().filter(|download| download.port == port)?;
-        if (Command::ApplicationStop.number()..=Command::EnterAsciiMode.number()).contains(&request.command) {
-            return None;
-        }
-        // Another port may have set the protection since the download began.
-        if protected {
-            return Some(Err(Status::NotAvailable));
-        }
-        let (address, instruction) = (download.next, request.to_bytes());
-        if self.programs.get(address).is_none() {
-            return Some(Err(Status::InvalidValue));
-        }
-        download.next += 1;
-        Some(Ok(Outcome::Loaded(Job::WriteInstruction(address, instruction), request.value)))
-    }
-
-    /// Global parameter 81: bit 0 protects against reading back, bit 1 against overwriting (TMCM-1311 §10.1).
-    fn code_protection(&self) -> i32 {
-        self.globals.setting(GlobalParameter::CodeProtection)
-    }
-
-    fn is_overwriting_protected(&self) -> bool {
-        self.code_protection() & 2 != 0
-    }
-
-    fn program_address(&self, value: i32) -> Result<u16, Status> {
+    /// An address in the program memory.
+    pub(crate) fn program_address(&self, value: i32) -> Result<u16, Status> {
         let address = u16::try_from(value).map_err(|_| Status::InvalidValue)?;
         self.programs.get(address).map(|_| address).ok_or(Status::InvalidValue)
-    }
-}
-
-impl<A: Axis> Machine for Firmware<A> {
-    const WAIT_TICK: u64 = 10 * TICKS_PER_MS;
-
-    #[inline]
-    fn vm(&self) -> &Vm {
-        &self.vm
-    }
-
-    #[inline]
-    fn vm_mut(&mut self) -> &mut Vm {
-        &mut self.vm
-    }
-
-    #[inline]
-    fn now(&self) -> u64 {
-        self.ticks
-    }
-
-    #[inline]
-    fn fetch(&self, address: u16) -> Option<Instruction> {
-        self.programs.get(address)
-    }
-
-    fn has_command(&self, number: u8) -> bool {
-        A::SPEC.command(number).is_some_and(|command| command.modes.program)
-    }
-
-    fn has_interrupt(&self, number: u8) -> bool {
-        A::SPEC.interrupt(number).is_some()
-    }
-
-    fn has_motor(&self, motor: u8) -> bool {
-        motor == 0
-    }
-
-    fn has_happened(&self, event: WaitEvent) -> bool {
-        self.axis.has_happened(event)
-    }
-
-    fn execute(&mut self, request: &Request) -> Result<i32, Status> {
-        match Firmware::execute(self, request, Origin::Program)? {
-            Outcome::Done(value) => Ok(value),
-            Outcome::Job(job, value) => {
-                self.program_job = Some(ProgramJob { address: self.vm.address(), job });
-                Ok(value)
-            }
-            // Only a host gets these.
-            Outcome::SilentJob(_)
-            | Outcome::Loaded(..)
-            | Outcome::Instruction(_)
-            | Outcome::VersionString
-            | Outcome::AwaitPosition
-            | Outcome::Silence => Err(Status::NotAvailable),
-        }
     }
 }

@@ -114,26 +114,17 @@ impl<A: Axis> Firmware<A> {
                 let accumulator = self.vm.registers.accumulator;
                 self.set_global_parameter(request, accumulator, accumulator)
             }
-            Command::ApplicationStop => {
-                self.vm.stop();
-                Ok(Outcome::Done(value))
-            }
-            Command::ApplicationRun => self.run_application(kind, value),
-            Command::ApplicationStep => Ok(self.step_application(value)),
-            Command::ApplicationReset => {
-                self.vm.reset();
-                Ok(Outcome::Done(value))
-            }
-            Command::DownloadStart => match origin {
-                Origin::Host(port) => self.start_download(port, value),
+            Command::ApplicationStop
+            | Command::ApplicationRun
+            | Command::ApplicationStep
+            | Command::ApplicationReset
+            | Command::DownloadStart
+            | Command::DownloadEnd
+            | Command::ReadProgramMemory
+            | Command::ApplicationStatus => match origin {
+                Origin::Host(port) => self.control_application(command, kind, value, port),
                 Origin::Program => Err(Status::NotAvailable),
             },
-            Command::DownloadEnd => {
-                self.download = None;
-                Ok(Outcome::Done(value))
-            }
-            Command::ReadProgramMemory => self.read_program(value),
-            Command::ApplicationStatus => Ok(self.application_status()),
             Command::FirmwareVersion if kind == 0 => Ok(Outcome::VersionString),
             Command::FirmwareVersion => Ok(Outcome::Done(A::SPEC.version_number())),
             Command::FactoryReset => self.factory_reset(value),

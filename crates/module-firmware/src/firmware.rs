@@ -4,10 +4,11 @@ use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_vm::{Halt, NeverHalt, Vm};
 use tmcl_wire::{Event, Reply, Request};
 
-use crate::application::{Download, Halted, ProgramJob, Refusal};
+use crate::application::{Halted, ProgramJob, Refusal};
 use crate::axis::Axis;
 use crate::coordinates::Coordinates;
 use crate::dispatch::{Origin, Outcome, POSITION_REACHED_MASK};
+use crate::download::Download;
 use crate::events::{Events, Sources};
 use crate::globals::Globals;
 use crate::jobs::Pending;
@@ -139,9 +140,7 @@ impl<A: Axis> Firmware<A> {
         if let Some(port) = self.port_mut(port) {
             port.clear();
         }
-        if self.download.is_some_and(|download| download.port == port) {
-            self.download = None;
-        }
+        self.end_download(port);
         if let Some(pending) = self.pending.as_mut().filter(|pending| pending.port == port) {
             pending.envelope.answer = false;
         }

@@ -4,6 +4,7 @@ use tmcl_tables::{GlobalParameter, ParameterSpec};
 
 use crate::axis::Axis;
 use crate::coordinates::{self, Coordinates};
+use crate::download::READ_PROTECTION;
 use crate::firmware::Firmware;
 use crate::globals::{Globals, MAGIC, VARIABLE_BANK};
 use crate::program_memory::ProgramMemory;
@@ -61,8 +62,8 @@ fn forget_if_magic_is_wrong<S: Storage>(storage: &mut S) {
         return;
     }
     // The factory settings protect no program; what was protected from reading back must not become readable.
-    let protected =
-        stored(storage, GlobalParameter::CodeProtection).is_some_and(|protection| protection & 1 != 0);
+    let protected = stored(storage, GlobalParameter::CodeProtection)
+        .is_some_and(|protection| protection & READ_PROTECTION != 0);
     if protected && storage.erase_program().is_err() {
         return;
     }

@@ -237,3 +237,27 @@ fn a_failing_storage_is_a_refusal() {
     let _ = host.firmware.tick(&Sensed::default());
     assert_eq!(host.firmware.program().registers.accumulator, 5);
 }
+
+/// Real storage takes time: here one record a control period. A program that stores without a pause keeps no host waiting, and
+/// no host keeps it waiting.
+#[test]
+fn a_program_that_stores_all_the_time_starves_nobody() {
+    let mut host = Host::new(Memory::default());
+    let store = op(Command::StoreAxisParameter, 4, 0, 0);
+    host.download(&[store, store, op(Command::Calculate, 0, 0, 1), op(Command::Jump, 0, 0, 0)]);
+    host.command(Status::Ok, Command::ApplicationRun, 1, 0, 0);
+    for _ in 0..50 {
+        let rounds = host.firmware.program().registers.accumulator;
+        for byte in serial::encode_request(1, store) {
+            assert!(host.firmware.receive(PORT, byte));
+        }
+        let mut reply = Vec::new();
+        for _ in 0..12 {
+            let _ = host.firmware.tick(&Sensed::default());
+            host.firmware.background(&mut host.storage);
+            reply.extend(std::iter::from_fn(|| host.firmware.transmit(PORT)));
+        }
+        assert_eq!(reply.get(2), Some(&Status::Ok.number()), "{reply:02x?}");
+        assert!(host.firmware.program().registers.accumulator > rounds);
+    }
+}

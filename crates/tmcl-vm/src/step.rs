@@ -29,7 +29,8 @@ pub enum Stepped {
         /// Why.
         status: Status,
     },
-    /// The [`Halt`] wants to look before the instruction at this address; nothing was executed.
+    /// The [`Halt`] wants to look before the instruction at this address, which was not executed. A WAIT may have ended just
+    /// before it, or an interrupt routine begun with it.
     Halted {
         /// Where it stands.
         address: u16,

@@ -63,8 +63,8 @@ pub(crate) enum Command {
 /// `tmcl run`.
 #[derive(Args)]
 #[command(
-    after_help = "The run ends when every expectation is decided, when the program has stopped and nothing is left that may \
-    still come true, or when the time is up. Expectations (docs/expectations.md): \"actual_position == 10000 within 2s\", \
+    after_help = "The run ends when every expectation is decided; when the program has stopped, all stands still and nothing \
+    is left that may still come true; or when the time is up. Without expectations and recordings it ends when the program stops. Expectations (docs/expectations.md): \"actual_position == 10000 within 2s\", \
     \"output.3 rises\", \"never status_word & 0x200\", \"physical.rotor_turns > 4.9 at end\". Exits with 1 if one failed \
     or the module refused an instruction, with 42 if one is undecided when the run ends."
 )]
@@ -98,7 +98,7 @@ pub(crate) struct Run {
 pub(crate) struct Asm {
     /// The program; - is stdin
     pub(crate) file: PathBuf,
-    /// The compiled file; without it, FILE with the ending .bin; - is stdout
+    /// The compiled file; without it, FILE with the ending .bin, or stdout where FILE is stdin; - is stdout
     #[arg(short, long, value_name = "OUT.bin")]
     pub(crate) out: Option<PathBuf>,
     /// Write a symbol file: address to line, labels, constants (JSON)

@@ -59,6 +59,8 @@ pub struct Bench {
     /// In the order of their times.
     events: Vec<Event>,
     next_event: usize,
+    /// Whether nothing but the time changed in the last control period.
+    was_quiet: bool,
 }
 
 impl Bench {
@@ -71,6 +73,7 @@ impl Bench {
             wires: config.wires.clone(),
             events: config.events.clone(),
             next_event: 0,
+            was_quiet: false,
         }
     }
 
@@ -136,7 +139,16 @@ impl Bench {
         for slot in &mut self.slots {
             changed |= slot.module.get_mut().tick(self.time_ns);
         }
-        changed | self.carry_signals()
+        let changed = changed | self.carry_signals();
+        self.was_quiet = !changed;
+        changed
+    }
+
+    /// Whether everything stands still: nothing but the time changed in the last control period, and no event of the bench
+    /// file is still to come. Programs may be waiting.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.was_quiet && self.next_event >= self.events.len()
     }
 
     /// Goes through the control periods before `time_ns` in which nothing can change. Returns whether there were any.
@@ -296,7 +308,7 @@ impl Bench {
         self.module(module).map(VirtualModule::eeprom)
     }
 
-    /// The instructions of a module's program that it refused since it was switched on, in the order of addresses.
+    /// The instructions of a module's program that it refused since the bench was made, in the order of addresses.
     pub fn refused_instructions(&self, module: ModuleId) -> impl Iterator<Item = RefusedInstruction> + '_ {
         self.module(module).into_iter().flat_map(|module| module.refusals().iter())
     }

@@ -192,7 +192,6 @@ where
         self.hardware.apply(Setting::Power(if on { Power::On } else { Power::Off }));
         // Without power it forgets everything but its EEPROM; what it was about to say is lost.
         self.firmware = Firmware::power_on(&mut self.eeprom);
-        self.refusals = Refusals::default();
         self.set_up();
     }
 

@@ -18,7 +18,8 @@ pub struct RefusedInstruction {
     pub count: u64,
 }
 
-/// Every refused instruction since the module was switched on, in the order of addresses.
+/// Every refused instruction since the bench was made, in the order of addresses. The bench saw them: a power cycle does not
+/// make them undone.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Refusals(BTreeMap<(u16, u8), RefusedInstruction>);
 

@@ -128,6 +128,9 @@ fn other_ports_talk_as_ever_while_one_downloads() {
         module.port = port;
         module.sap(Ap::MaxVelocity, 1000 + i32::from(number));
         assert_eq!(module.gap(Ap::MaxVelocity), 1000 + i32::from(number));
+        // Nor can they end it, or begin another.
+        module.ok(Command::DownloadEnd, 0, 0, 0);
+        assert_eq!(module.status(Command::DownloadStart, 0, 0, 5), Status::NotAvailable);
         assert_eq!(module.ggp(Gp::DownloadMode), 1);
         module.port = downloading;
     }

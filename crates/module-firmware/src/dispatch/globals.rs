@@ -5,13 +5,11 @@ use tmcl_wire::Request;
 
 use super::{Executed, Outcome, in_range, readable, storable};
 use crate::axis::Axis;
+use crate::download::READ_PROTECTION;
 use crate::firmware::Firmware;
 use crate::globals::VARIABLE_BANK;
 use crate::jobs::Job;
 use crate::storage::RecordKey;
-
-/// The bit of global parameter 81 that keeps a program from being read back.
-const READ_PROTECTION: i32 = 1;
 
 impl<A: Axis> Firmware<A> {
     /// SGP and AGP. Bank 0 is stored at once, as far as the EEPROM keeps it (TMCM-1311 §10.1).

@@ -1,7 +1,7 @@
 //! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
 //!
-//! What stands: open loop. Closed loop, reference search, switches and protection are still to come; their parameters keep
-//! what is written to them (`docs/fidelity.md`).
+//! What stands: open loop, with stop on stall and on deviation of the encoder. Closed loop, reference search, stop switches and
+//! I²t are still to come; their parameters keep what is written to them (`docs/fidelity.md`).
 
 mod deviation;
 mod driver;

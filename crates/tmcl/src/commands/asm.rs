@@ -1,5 +1,7 @@
 //! `tmcl asm`: text to the compiled file that the vendor's IDE writes too.
 
+use std::path::{Path, PathBuf};
+
 use tmcl_lang::{Severity, image};
 
 use crate::arguments::Asm;
@@ -9,6 +11,7 @@ use crate::program::{Checked, diagnostics, files, listing, symbols};
 
 /// Runs it.
 pub(crate) fn run(options: &Asm) -> Outcome {
+    let out = out(options)?;
     let checked = Checked::read(&options.file, options.module, &options.lints)?;
     if !options.json {
         diagnostics::print(&checked);
@@ -24,7 +27,6 @@ pub(crate) fn run(options: &Asm) -> Outcome {
         );
     }
     let assembly = &checked.assembly;
-    let out = options.out.clone().unwrap_or_else(|| options.file.with_extension("bin"));
     files::write(&out, &image::encode(&assembly.program.instructions))?;
     if let Some(path) = &options.symbols {
         files::write(path, symbols::json(assembly).map_err(std::io::Error::from)?.as_bytes())?;
@@ -41,6 +43,27 @@ pub(crate) fn run(options: &Asm) -> Outcome {
         print::note(&message);
     }
     Ok(())
+}
+
+/// Where the compiled file goes. No output may be the program itself, nor may two go to stdout.
+fn out(options: &Asm) -> Result<PathBuf, Failure> {
+    let usage = |message: String| Err(Failure::new(Code::Usage, message));
+    let is_standard = |path: &Path| path.as_os_str() == files::STANDARD;
+    let out = match &options.out {
+        Some(out) => out.clone(),
+        None if is_standard(&options.file) => PathBuf::from(files::STANDARD),
+        None => options.file.with_extension("bin"),
+    };
+    let outputs = [Some(&out), options.symbols.as_ref(), options.listing.as_ref()];
+    let outputs: Vec<&PathBuf> = outputs.into_iter().flatten().collect();
+    if let Some(same) = outputs.iter().find(|path| !is_standard(path) && **path == &options.file) {
+        return usage(format!("{} would be overwritten; name the output with -o", same.display()));
+    }
+    let standard = outputs.iter().filter(|path| is_standard(path)).count() + usize::from(options.json);
+    if standard > 1 {
+        return usage("only one of -o, --symbols, --listing and --json can go to stdout".to_owned());
+    }
+    Ok(out)
 }
 
 /// `1 error`, `2 errors`.

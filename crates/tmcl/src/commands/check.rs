@@ -20,8 +20,13 @@ struct Report<'a> {
 /// Runs it.
 pub(crate) fn run(options: &Check) -> Outcome {
     let mut files = Vec::new();
+    let mut unreadable = None;
     for file in &options.files {
-        files.push(Checked::read(file, options.module, &options.lints)?);
+        match Checked::read(file, options.module, &options.lints) {
+            Ok(checked) => files.push(checked),
+            // The others are checked all the same.
+            Err(failure) => unreadable = unreadable.or(Some(failure)),
+        }
     }
     let total = |severity| files.iter().map(|checked| checked.count(severity)).sum();
     let (errors, warnings) = (total(Severity::Error), total(Severity::Warning));
@@ -34,5 +39,9 @@ pub(crate) fn run(options: &Check) -> Outcome {
             print::note(&format!("{}, {}", counted(errors, "error"), counted(warnings, "warning")));
         }
     }
-    if errors + warnings > 0 { Err(Code::Findings.into()) } else { Ok(()) }
+    match unreadable {
+        Some(failure) => Err(failure.into()),
+        None if errors + warnings > 0 => Err(Code::Findings.into()),
+        None => Ok(()),
+    }
 }

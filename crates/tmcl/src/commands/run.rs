@@ -7,6 +7,7 @@ mod report;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use tmcl_client::{Client, ClientError, Settings};
 use tmcl_lang::{Assembly, Severity};
 use tmcl_tables::ModuleSpec;
@@ -16,6 +17,7 @@ use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, ProgramMode};
 use super::asm::counted;
 use crate::arguments::Run;
 use crate::exit::{Code, Failure, Outcome};
+use crate::program::diagnostics::DiagnosticJson;
 use crate::program::{Checked, diagnostics};
 use crate::recording::Recorder;
 use crate::virtual_link::VirtualLink;
@@ -33,12 +35,25 @@ const PROGRESS_NS: u64 = 20 * MS;
 /// The module that runs the program: the bench's first.
 const MODULE: ModuleId = ModuleId(0);
 
+/// What is printed with `--json` of a program with errors.
+#[derive(Serialize)]
+struct NotRun<'a> {
+    errors: usize,
+    diagnostics: Vec<DiagnosticJson<'a>>,
+}
+
 /// Runs it.
 pub(crate) fn run(options: &Run) -> Outcome {
     let config = options.bench.as_deref().map(|file| bench_file::load(None, Some(file))).transpose()?;
     let checked = Checked::read(&options.file, module(options, config.as_ref())?, &options.lints)?;
-    diagnostics::print(&checked);
+    if !options.json {
+        diagnostics::print(&checked);
+    }
     let errors = checked.count(Severity::Error);
+    if errors > 0 && options.json {
+        print::json(&NotRun { errors, diagnostics: diagnostics::json(&checked) })?;
+        return Err(Code::Findings.into());
+    }
     if errors > 0 {
         return Err(Failure::new(Code::Findings, format!("not run, {}", counted(errors, "error"))).into());
     }
@@ -52,7 +67,7 @@ pub(crate) fn run(options: &Run) -> Outcome {
     let ended = session.play();
     let elapsed = started.elapsed();
     session.finish(options)?;
-    let report = Report::new(&session.bench, &checked.assembly, &session.monitor, ended, elapsed);
+    let report = Report::new(&session.bench, &checked, &session.monitor, ended, elapsed);
     if options.json {
         print::json(&report)?;
     } else {
@@ -82,7 +97,7 @@ struct Session<'a> {
     bench: Bench,
     assembly: &'a Assembly,
     monitor: Monitor,
-    has_expectations: bool,
+    looks_on: LooksOn,
     recorder: Option<Recorder>,
     progress: ProgressBar,
     end_ns: u64,
@@ -96,19 +111,23 @@ impl<'a> Session<'a> {
                 .map_err(|error| Failure::new(Code::Usage, format!("in --expect: {}", error.report(text))))
         });
         let expectations = expectations.collect::<Result<Vec<_>, _>>()?;
-        let has_expectations = !expectations.is_empty();
-        let monitor = Monitor::new(expectations, &bench);
         let recording = &options.recording;
         let recorder = if recording.trace.is_some() || recording.plot.is_some() {
             Some(Recorder::new(&bench, recording, SAMPLE_NS)?)
         } else {
             None
         };
+        let looks_on = match (expectations.is_empty(), &recorder) {
+            (false, _) => LooksOn::Expectations,
+            (true, Some(_)) => LooksOn::Recorder,
+            (true, None) => LooksOn::Nobody,
+        };
+        let monitor = Monitor::new(expectations, &bench);
         // Hidden where stderr is no terminal.
         let progress = ProgressBar::new((options.duration / MS).max(1));
         let style = ProgressStyle::with_template("{bar:30} {pos}/{len} ms of virtual time  {msg}");
         progress.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Ok(Self { bench, assembly, monitor, has_expectations, recorder, progress, end_ns: options.duration })
+        Ok(Self { bench, assembly, monitor, looks_on, recorder, progress, end_ns: options.duration })
     }
 
     /// 132, the instructions, 133, 131, 129.
@@ -135,19 +154,19 @@ impl<'a> Session<'a> {
             }
             self.show_progress();
             let next_ns = self.next_look_ns();
-            let Self { bench, monitor, has_expectations, .. } = self;
+            let Self { bench, monitor, looks_on, .. } = self;
             bench.advance_observed(next_ns, &mut |bench| {
                 monitor.observe(bench);
                 // What was seen may have brought a nearer deadline, and what ends the run ends it at that instant.
-                monitor.next_deadline_ns() >= next_ns && !is_over(bench, monitor, *has_expectations)
+                monitor.next_deadline_ns() >= next_ns && !is_over(bench, monitor, *looks_on)
             });
         }
     }
 
     fn ended(&self) -> Option<Ended> {
-        if self.has_expectations && self.monitor.is_decided() {
+        if self.looks_on == LooksOn::Expectations && self.monitor.is_decided() {
             Some(Ended::Decided)
-        } else if is_over(&self.bench, &self.monitor, self.has_expectations) {
+        } else if is_over(&self.bench, &self.monitor, self.looks_on) {
             Some(Ended::ProgramStopped)
         } else if self.bench.time_ns() >= self.end_ns {
             Some(Ended::TimeUp)
@@ -189,13 +208,28 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Whether the program has stopped and nothing is left that may still come true.
-fn is_over(bench: &Bench, monitor: &Monitor, has_expectations: bool) -> bool {
-    if has_expectations && monitor.is_decided() {
-        return true;
-    }
+/// Whether there is nothing more to see: every expectation is decided, or the program has stopped, nothing that was expected
+/// can still come true, and all stands still, so that what shall never or always be has been seen to the end.
+fn is_over(bench: &Bench, monitor: &Monitor, looks_on: LooksOn) -> bool {
     let running = bench.program(MODULE).is_some_and(|vm| vm.mode() == ProgramMode::Run);
-    !running && !monitor.awaits_something()
+    match looks_on {
+        LooksOn::Nobody => !running,
+        LooksOn::Expectations if monitor.is_decided() => true,
+        LooksOn::Expectations | LooksOn::Recorder => {
+            !running && bench.is_at_rest() && !monitor.awaits_something()
+        }
+    }
+}
+
+/// Who wants to see more than the end of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LooksOn {
+    /// There is neither trace, plot nor expectation.
+    Nobody,
+    /// A trace or plot, and no expectation.
+    Recorder,
+    /// Expectations.
+    Expectations,
 }
 
 /// How many of the verdicts are of some kind.

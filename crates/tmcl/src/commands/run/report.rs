@@ -12,6 +12,8 @@ use virtual_bench::{Bench, ProgramMode, RefusedInstruction};
 use super::{MODULE, count};
 use crate::exit::Code;
 use crate::print;
+use crate::program::diagnostics::DiagnosticJson;
+use crate::program::{Checked, diagnostics};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -39,6 +41,9 @@ struct ExpectationReport {
     outcome: &'static str,
     at_s: Option<f64>,
     reason: String,
+    /// The outcome for people.
+    #[serde(skip)]
+    shown: String,
 }
 
 #[derive(Serialize)]
@@ -54,7 +59,7 @@ struct RefusalReport {
 
 /// The report of a run; its fields are the JSON's.
 #[derive(Serialize)]
-pub(super) struct Report {
+pub(super) struct Report<'a> {
     program: String,
     module: &'static str,
     instructions: usize,
@@ -71,16 +76,19 @@ pub(super) struct Report {
     undecided: usize,
     expectations: Vec<ExpectationReport>,
     refused: Vec<RefusalReport>,
+    /// The warnings of the program.
+    diagnostics: Vec<DiagnosticJson<'a>>,
 }
 
-impl Report {
+impl<'a> Report<'a> {
     pub(super) fn new(
         bench: &Bench,
-        assembly: &Assembly,
+        checked: &'a Checked,
         monitor: &Monitor,
         ended: Ended,
         elapsed: Duration,
     ) -> Self {
+        let assembly = &checked.assembly;
         let vm = bench.program(MODULE);
         let address = vm.map_or(0, virtual_bench::Vm::address);
         let virtual_time_s = seconds(bench.time_ns());
@@ -103,6 +111,7 @@ impl Report {
             undecided: count(monitor, |outcome| matches!(outcome, Verdict::Undecided { .. })),
             expectations: monitor.verdicts().iter().map(expectation).collect(),
             refused: bench.refused_instructions(MODULE).map(|refused| refusal(assembly, refused)).collect(),
+            diagnostics: diagnostics::json(checked),
         }
     }
 
@@ -164,12 +173,7 @@ impl ExpectationReport {
             "failed" => "FAILED",
             _ => "?",
         };
-        let outcome = match self.at_s {
-            Some(at_s) if self.reason.is_empty() => format!("{} at {at_s:.3} s", self.outcome),
-            _ if self.reason.is_empty() => self.outcome.to_owned(),
-            _ => format!("{}: {}", self.outcome, self.reason),
-        };
-        [sign.to_owned(), self.text.clone(), outcome]
+        [sign.to_owned(), self.text.clone(), self.shown.clone()]
     }
 }
 
@@ -202,7 +206,13 @@ fn expectation(verdict: &virtual_bench::expect::Verdict) -> ExpectationReport {
         Verdict::Failed { at_ns, reason } => ("failed", Some(*at_ns), reason.clone()),
         Verdict::Undecided { reason } => ("undecided", None, reason.clone()),
     };
-    ExpectationReport { text: verdict.text.clone(), outcome, at_s: at_ns.map(seconds), reason }
+    ExpectationReport {
+        text: verdict.text.clone(),
+        outcome,
+        at_s: at_ns.map(seconds),
+        reason,
+        shown: verdict.outcome.to_string(),
+    }
 }
 
 fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
@@ -218,5 +228,5 @@ fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
 }
 
 fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 * 1e-9
+    time_ns as f64 / 1e9
 }
