@@ -1,5 +1,7 @@
 //! `tmcl asm`: text to the compiled file that the vendor's IDE writes too.
 
+use std::path::{Path, PathBuf};
+
 use tmcl_lang::{Severity, image};
 
 use crate::arguments::Asm;
@@ -24,7 +26,7 @@ pub(crate) fn run(options: &Asm) -> Outcome {
         );
     }
     let assembly = &checked.assembly;
-    let out = options.out.clone().unwrap_or_else(|| options.file.with_extension("bin"));
+    let out = options.out.clone().unwrap_or_else(|| default_out(&options.file));
     files::write(&out, &image::encode(&assembly.program.instructions))?;
     if let Some(path) = &options.symbols {
         files::write(path, symbols::json(assembly).map_err(std::io::Error::from)?.as_bytes())?;
@@ -41,6 +43,11 @@ pub(crate) fn run(options: &Asm) -> Outcome {
         print::note(&message);
     }
     Ok(())
+}
+
+/// Beside the program; what comes from stdin goes to stdout.
+fn default_out(file: &Path) -> PathBuf {
+    if file.as_os_str() == files::STANDARD { file.to_owned() } else { file.with_extension("bin") }
 }
 
 /// `1 error`, `2 errors`.

@@ -1,11 +1,13 @@
 //! `tmcl check`: what is wrong with programs, or hardly meant.
 
+use std::path::PathBuf;
+
 use serde::Serialize;
 use tmcl_lang::Severity;
 
 use super::asm::counted;
 use crate::arguments::Check;
-use crate::exit::{Code, Outcome};
+use crate::exit::{Code, Failures, Outcome};
 use crate::print;
 use crate::program::diagnostics::DiagnosticJson;
 use crate::program::{Checked, diagnostics};
@@ -19,10 +21,9 @@ struct Report<'a> {
 
 /// Runs it.
 pub(crate) fn run(options: &Check) -> Outcome {
-    let mut files = Vec::new();
-    for file in &options.files {
-        files.push(Checked::read(file, options.module, &options.lints)?);
-    }
+    let mut failures = Failures::default();
+    let read = |file| failures.note(Checked::read(file, options.module, &options.lints));
+    let files: Vec<_> = options.files.iter().map(PathBuf::as_path).filter_map(read).collect();
     let total = |severity| files.iter().map(|checked| checked.count(severity)).sum();
     let (errors, warnings) = (total(Severity::Error), total(Severity::Warning));
     if options.json {
@@ -34,5 +35,6 @@ pub(crate) fn run(options: &Check) -> Outcome {
             print::note(&format!("{}, {}", counted(errors, "error"), counted(warnings, "warning")));
         }
     }
+    failures.finish()?;
     if errors + warnings > 0 { Err(Code::Findings.into()) } else { Ok(()) }
 }

@@ -24,7 +24,7 @@ pub(crate) fn run(options: &Explain) -> Outcome {
     }
     match options.code {
         Some(code) => {
-            print::text(&format!("{code}: {}\n\n{}\n", code.summary(), code.explanation().trim_end()))?
+            print::text(&format!("{code}: {}\n\n{}\n", code.summary(), code.explanation().trim_end()))?;
         }
         None => print::table(
             ["code", "on", "what it says"],

@@ -7,7 +7,7 @@ use serde::Serialize;
 use tmcl_lang::Assembly;
 use tmcl_tables::STATUSES;
 use virtual_bench::expect::{Monitor, Outcome as Verdict};
-use virtual_bench::{Bench, ProgramMode, RefusedInstruction};
+use virtual_bench::{Bench, Probe, ProgramMode, Quantity, RefusedInstruction};
 
 use super::{MODULE, count};
 use crate::exit::Code;
@@ -63,6 +63,8 @@ pub(super) struct Report {
     ended: Ended,
     /// Whether the program runs on.
     running: bool,
+    /// Whether the module says that its motor moves.
+    moving: bool,
     /// The instruction that is executed, or would be next.
     address: u16,
     at: Option<Place>,
@@ -96,6 +98,7 @@ impl Report {
             times_real_time: virtual_time_s / elapsed.as_secs_f64().max(1e-9),
             ended,
             running: vm.is_some_and(|vm| vm.mode() == ProgramMode::Run),
+            moving: is_moving(bench),
             address,
             at: place(assembly, address),
             held: count(monitor, |outcome| matches!(outcome, Verdict::Held { .. })),
@@ -149,11 +152,9 @@ impl Report {
             Ended::ProgramStopped => "",
             Ended::TimeUp => "the time is up; ",
         };
-        let virtual_time_s = self.virtual_time_s;
-        format!(
-            "{virtual_time_s:.3} s of virtual time on the {}: {why}the program {program} {place}\n",
-            self.module
-        )
+        let motor = if self.moving && !self.running { "; the motor moves on" } else { "" };
+        let time = shown(self.virtual_time_s);
+        format!("{time} of virtual time on the {}: {why}the program {program} {place}{motor}\n", self.module)
     }
 }
 
@@ -165,7 +166,7 @@ impl ExpectationReport {
             _ => "?",
         };
         let outcome = match self.at_s {
-            Some(at_s) if self.reason.is_empty() => format!("{} at {at_s:.3} s", self.outcome),
+            Some(at_s) if self.reason.is_empty() => format!("{} at {}", self.outcome, shown(at_s)),
             _ if self.reason.is_empty() => self.outcome.to_owned(),
             _ => format!("{}: {}", self.outcome, self.reason),
         };
@@ -217,6 +218,22 @@ fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
     }
 }
 
+/// By its actual velocity, which every module has.
+fn is_moving(bench: &Bench) -> bool {
+    let parameters = bench.spec(MODULE).map_or(&[][..], |spec| spec.axis_parameters);
+    let velocity = parameters.iter().find(|parameter| parameter.id == "actual_velocity");
+    velocity.is_some_and(|velocity| {
+        bench.read(Probe { module: MODULE, quantity: Quantity::Parameter(velocity.number) }) != 0.0
+    })
+}
+
+/// A time to the millisecond, or to the control period where it has one.
+fn shown(time_s: f64) -> String {
+    let text = format!("{time_s:.5}");
+    let least = text.len() - 2;
+    format!("{} s", &text[..text.trim_end_matches('0').len().max(least)])
+}
+
 fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 * 1e-9
+    time_ns as f64 / 1e9
 }
