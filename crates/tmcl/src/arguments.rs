@@ -71,7 +71,7 @@ pub(crate) enum Command {
 pub(crate) struct Run {
     /// The program; - is stdin
     pub(crate) file: PathBuf,
-    /// The module; without it, the bench's first, or what a first line `//! module: …` says, or tmcm-1311
+    /// The module; without it, what a first line `//! module: …` says, or the bench's first, or tmcm-1311
     #[arg(long, value_parser = module_name::spec)]
     pub(crate) module: Option<&'static ModuleSpec>,
     /// The bench the module stands on (docs/bench-file.md); of several modules the first runs the program
@@ -98,7 +98,7 @@ pub(crate) struct Run {
 pub(crate) struct Asm {
     /// The program; - is stdin
     pub(crate) file: PathBuf,
-    /// The compiled file; without it, FILE with the ending .bin, or stdout where FILE is stdin; - is stdout
+    /// The compiled file; without it, FILE with the ending .bin, or stdout if FILE is -; - is stdout
     #[arg(short, long, value_name = "OUT.bin")]
     pub(crate) out: Option<PathBuf>,
     /// Write a symbol file: address to line, labels, constants (JSON)
@@ -161,6 +161,7 @@ pub(crate) struct Check {
 #[derive(Args)]
 pub(crate) struct Explain {
     /// The code, such as E0104; without it, all are listed
+    #[arg(value_parser = code)]
     pub(crate) code: Option<tmcl_lang::Code>,
     /// Print JSON
     #[arg(long)]
@@ -280,6 +281,10 @@ pub(crate) struct Format {
     /// Print Markdown, with everything the tables say
     #[arg(long)]
     pub(crate) markdown: bool,
+}
+
+fn code(text: &str) -> Result<tmcl_lang::Code, String> {
+    text.parse().map_err(|_| "no such code; `tmcl explain` lists them".to_owned())
 }
 
 fn tcp_address(text: &str) -> Result<String, String> {

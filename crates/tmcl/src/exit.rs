@@ -30,6 +30,29 @@ impl Failure {
     }
 }
 
+/// What failed with some of several files; the others are seen to nevertheless.
+#[derive(Debug, Default)]
+pub(crate) struct Failures {
+    worst: Option<Code>,
+}
+
+impl Failures {
+    /// Says at once what failed.
+    pub(crate) fn note<T>(&mut self, result: Result<T, Failure>) -> Option<T> {
+        result
+            .inspect_err(|failure| {
+                crate::print::error(&failure.message);
+                self.worst.get_or_insert(failure.code);
+            })
+            .ok()
+    }
+
+    /// How the command ends because of it, once everything is done.
+    pub(crate) fn finish(self) -> Outcome {
+        self.worst.map_or(Ok(()), |code| Err(code.into()))
+    }
+}
+
 /// What a command returns.
 pub(crate) type Outcome = Result<(), Ending>;
 

@@ -34,11 +34,15 @@ pub(crate) fn spec(name: &str) -> Result<&'static ModuleSpec, NameError> {
 /// A virtual module, with its address where one is given.
 pub(crate) fn setup(name: &str) -> Result<VirtualModule, NameError> {
     let (name, address) = name.split_once('@').map_or((name, None), |(name, address)| (name, Some(address)));
-    let kind = ModuleKind::try_from(spec(name)?)
-        .map_err(|_| NameError::NotVirtual(list(ModuleKind::ALL.iter().map(|kind| kind.spec().id))))?;
+    let kind = ModuleKind::try_from(spec(name)?).map_err(|_| NameError::NotVirtual(virtual_modules()))?;
     let address =
         address.map(|text| text.parse().map_err(|_| NameError::Address(text.to_owned()))).transpose()?;
     Ok(VirtualModule { kind, address })
+}
+
+/// The modules that there are virtual ones of.
+pub(crate) fn virtual_modules() -> String {
+    list(ModuleKind::ALL.iter().map(|kind| kind.spec().id))
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {

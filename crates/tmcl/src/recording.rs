@@ -56,6 +56,18 @@ impl Recorder {
         Ok(Self { trace, written: 0, csv, failure: None })
     }
 
+    /// [`Recorder::new`] where the options name a file to record to.
+    pub(crate) fn wanted(bench: &Bench, options: &Recording, every_ns: u64) -> Result<Option<Self>, Failure> {
+        if options.trace.is_some() || options.plot.is_some() {
+            return Self::new(bench, options, every_ns).map(Some);
+        }
+        if options.every.is_some() || !options.column.is_empty() {
+            let message = "--every and --column say what to record: add --trace FILE.csv or --plot FILE.svg";
+            return Err(Failure::new(Code::Usage, message));
+        }
+        Ok(None)
+    }
+
     /// Runs the bench on, and takes samples on the way.
     pub(crate) fn advance_to(&mut self, bench: &mut Bench, time_ns: u64) {
         self.trace.advance_to(bench, time_ns);

@@ -19,7 +19,7 @@ pub(crate) fn run(options: &Asm) -> Outcome {
     let errors = checked.count(Severity::Error);
     if errors > 0 {
         if options.json {
-            print::json(&diagnostics::json(&checked))?;
+            print::json(&diagnostics::report(std::slice::from_ref(&checked)))?;
             return Err(Code::Findings.into());
         }
         return Err(
@@ -35,7 +35,7 @@ pub(crate) fn run(options: &Asm) -> Outcome {
         files::write(path, listing::listing(assembly).as_bytes())?;
     }
     if options.json {
-        return Ok(print::json(&diagnostics::json(&checked))?);
+        return Ok(print::json(&diagnostics::report(std::slice::from_ref(&checked)))?);
     }
     if out.as_os_str() != files::STANDARD {
         let (length, memory) = (assembly.program.instructions.len(), assembly.program.module.program_memory);

@@ -164,7 +164,7 @@ impl Show {
         let commanded: Vec<f64> = self.recorder.in_turns("actual_position").collect();
         let physical = self.recorder.values("physical.rotor_turns");
         let apart = commanded.iter().zip(&physical).map(|(commanded, physical)| (commanded - physical).abs());
-        let virtual_s = self.bench.time_ns() as f64 * 1e-9;
+        let virtual_s = self.bench.time_ns() as f64 / 1e9;
         let commanded_turns = commanded.last().copied().unwrap_or(0.0);
         Summary {
             virtual_time_s: virtual_s,

@@ -10,7 +10,7 @@ use crate::program::files;
 /// Runs it.
 pub(crate) fn run(options: &Disasm) -> Outcome {
     let instructions = image::decode(&files::read(&options.file)?).map_err(|error| {
-        Failure::new(Code::Usage, format!("{} is no compiled program: {error}", options.file.display()))
+        Failure::new(Code::Usage, format!("{} is no compiled program: {error}", files::name(&options.file)))
     })?;
     Ok(print::text(&disassemble(&instructions, options.module))?)
 }

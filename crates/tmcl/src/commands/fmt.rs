@@ -3,19 +3,22 @@
 use std::path::Path;
 
 use crate::arguments::Fmt;
-use crate::exit::{Code, Failure, Outcome};
+use crate::exit::{self, Code, Failure, Outcome};
 use crate::print;
 use crate::program::files;
 
 /// Runs it.
 pub(crate) fn run(options: &Fmt) -> Outcome {
     let mut unformatted = String::new();
+    let mut failures = exit::Failures::default();
     for file in &options.files {
-        if format(file, options.check)? && options.check {
-            unformatted += &format!("{}\n", file.display());
+        let changes = failures.note(format(file, options.check)).unwrap_or(false);
+        if changes && options.check {
+            unformatted += &format!("{}\n", files::name(file));
         }
     }
     print::text(&unformatted)?;
+    failures.finish()?;
     if unformatted.is_empty() { Ok(()) } else { Err(Code::Findings.into()) }
 }
 

@@ -7,7 +7,6 @@ mod report;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use serde::Serialize;
 use tmcl_client::{Client, ClientError, Settings};
 use tmcl_lang::{Assembly, Severity};
 use tmcl_tables::ModuleSpec;
@@ -17,11 +16,10 @@ use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, ProgramMode};
 use super::asm::counted;
 use crate::arguments::Run;
 use crate::exit::{Code, Failure, Outcome};
-use crate::program::diagnostics::DiagnosticJson;
-use crate::program::{Checked, diagnostics};
+use crate::program::{Checked, diagnostics, files};
 use crate::recording::Recorder;
 use crate::virtual_link::VirtualLink;
-use crate::{bench_file, print};
+use crate::{bench_file, module_name, print};
 use report::{Ended, Report};
 
 const MS: u64 = 1_000_000;
@@ -35,23 +33,17 @@ const PROGRESS_NS: u64 = 20 * MS;
 /// The module that runs the program: the bench's first.
 const MODULE: ModuleId = ModuleId(0);
 
-/// What is printed with `--json` of a program with errors.
-#[derive(Serialize)]
-struct NotRun<'a> {
-    errors: usize,
-    diagnostics: Vec<DiagnosticJson<'a>>,
-}
-
 /// Runs it.
 pub(crate) fn run(options: &Run) -> Outcome {
     let config = options.bench.as_deref().map(|file| bench_file::load(None, Some(file))).transpose()?;
-    let checked = Checked::read(&options.file, module(options, config.as_ref())?, &options.lints)?;
+    let on_bench = config.as_ref().and_then(|config| config.modules.first()).map(|module| module.kind.spec());
+    let checked = checked(options, on_bench)?;
     if !options.json {
         diagnostics::print(&checked);
     }
     let errors = checked.count(Severity::Error);
     if errors > 0 && options.json {
-        print::json(&NotRun { errors, diagnostics: diagnostics::json(&checked) })?;
+        print::json(&diagnostics::report(std::slice::from_ref(&checked)))?;
         return Err(Code::Findings.into());
     }
     if errors > 0 {
@@ -76,20 +68,29 @@ pub(crate) fn run(options: &Run) -> Outcome {
     report.code().map_or(Ok(()), |code| Err(code.into()))
 }
 
-/// What the command line and the bench say about the module; both may leave it to the program.
-fn module(options: &Run, config: Option<&BenchConfig>) -> Result<Option<&'static ModuleSpec>, Failure> {
-    let on_bench = config.and_then(|config| config.modules.first()).map(|module| module.kind.spec());
-    match (options.module, on_bench) {
-        (Some(named), Some(found)) if named.number != found.number => {
-            let message = format!("the first module on the bench is a {}, not a {}", found.id, named.id);
-            Err(Failure::new(Code::Usage, message))
-        }
-        (named, found) => Ok(found.or(named)),
+/// The program, assembled for the module on the bench, where there is a bench file.
+fn checked(options: &Run, on_bench: Option<&'static ModuleSpec>) -> Result<Checked, Failure> {
+    let source = files::root(&options.file)?;
+    let checked = Checked::of(source.clone(), options.module, &options.lints);
+    let Some(found) = on_bench else { return Ok(checked) };
+    if !checked.assembly.module_is_named {
+        return Ok(Checked::of(source, Some(found), &options.lints));
     }
+    let wanted = checked.assembly.program.module;
+    if wanted.number != found.number {
+        let message = format!(
+            "the program is for a {}, but the first module on the bench is a {}",
+            wanted.id, found.id
+        );
+        return Err(Failure::new(Code::Usage, message));
+    }
+    Ok(checked)
 }
 
 fn virtual_kind(module: &'static ModuleSpec) -> Result<ModuleKind, Failure> {
-    ModuleKind::try_from(module).map_err(|unknown| Failure::new(Code::Usage, unknown.to_string()))
+    ModuleKind::try_from(module).map_err(|unknown| {
+        Failure::new(Code::Usage, format!("{unknown}; there is {}", module_name::virtual_modules()))
+    })
 }
 
 /// A program on its bench, and those who look on.
@@ -112,11 +113,7 @@ impl<'a> Session<'a> {
         });
         let expectations = expectations.collect::<Result<Vec<_>, _>>()?;
         let recording = &options.recording;
-        let recorder = if recording.trace.is_some() || recording.plot.is_some() {
-            Some(Recorder::new(&bench, recording, SAMPLE_NS)?)
-        } else {
-            None
-        };
+        let recorder = Recorder::wanted(&bench, recording, SAMPLE_NS)?;
         let looks_on = match (expectations.is_empty(), &recorder) {
             (false, _) => LooksOn::Expectations,
             (true, Some(_)) => LooksOn::Recorder,
@@ -125,7 +122,7 @@ impl<'a> Session<'a> {
         let monitor = Monitor::new(expectations, &bench);
         // Hidden where stderr is no terminal.
         let progress = ProgressBar::new((options.duration / MS).max(1));
-        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} ms of virtual time  {msg}");
+        let style = ProgressStyle::with_template("{bar:30} {pos}/{len} ms of virtual time  {wide_msg}");
         progress.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         Ok(Self { bench, assembly, monitor, looks_on, recorder, progress, end_ns: options.duration })
     }

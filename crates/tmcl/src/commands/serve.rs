@@ -27,14 +27,8 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     let client = Client::of(&config);
     let bench = Bench::new(&config);
     let recording = &options.recording;
-    let recorder = match (&recording.trace, &recording.plot) {
-        (None, None) if recording.every.is_some() || !recording.column.is_empty() => {
-            let message = "--every and --column say what to record: add --trace FILE.csv or --plot FILE.svg";
-            return Err(Failure::new(Code::Usage, message).into());
-        }
-        (None, None) => None,
-        _ => Some(Arc::new(Mutex::new(Recorder::new(&bench, recording, SAMPLE_NS)?))),
-    };
+    let recorder = Recorder::wanted(&bench, recording, SAMPLE_NS)?;
+    let recorder = recorder.map(|recorder| Arc::new(Mutex::new(recorder)));
     let (stop, stopped) = channel();
     ctrlc::set_handler(move || {
         // A second signal finds nobody waiting, and that is fine.

@@ -126,6 +126,24 @@ pub(crate) struct DiagnosticJson<'a> {
     suggestion: Option<SuggestionJson<'a>>,
 }
 
+/// The diagnostics of some files for machines.
+#[derive(Serialize)]
+pub(crate) struct Report<'a> {
+    errors: usize,
+    warnings: usize,
+    diagnostics: Vec<DiagnosticJson<'a>>,
+}
+
+/// The diagnostics of some files for machines.
+pub(crate) fn report(files: &[Checked]) -> Report<'_> {
+    let total = |severity| files.iter().map(|checked| checked.count(severity)).sum();
+    Report {
+        errors: total(Severity::Error),
+        warnings: total(Severity::Warning),
+        diagnostics: files.iter().flat_map(json).collect(),
+    }
+}
+
 /// A file's diagnostics for machines.
 pub(crate) fn json(checked: &Checked) -> Vec<DiagnosticJson<'_>> {
     let sources = &checked.assembly.sources;

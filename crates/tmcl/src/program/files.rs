@@ -1,5 +1,6 @@
 //! Reading programs, what they include, and `-`, which is stdin.
 
+use std::ffi::OsStr;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -10,6 +11,11 @@ use crate::exit::{Code, Failure};
 /// What stands for stdin and stdout.
 pub(crate) const STANDARD: &str = "-";
 
+/// What messages call a file.
+pub(crate) fn name(file: &Path) -> String {
+    if file == Path::new(STANDARD) { "<stdin>".to_owned() } else { file.display().to_string() }
+}
+
 /// The bytes of a file, or of stdin.
 pub(crate) fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     let bytes = if file == Path::new(STANDARD) {
@@ -18,12 +24,12 @@ pub(crate) fn read(file: &Path) -> Result<Vec<u8>, Failure> {
     } else {
         std::fs::read(file)
     };
-    bytes.map_err(|error| Failure::new(Code::Usage, format!("cannot read {}: {error}", file.display())))
+    bytes.map_err(|error| Failure::new(Code::Usage, format!("cannot read {}: {error}", name(file))))
 }
 
 /// A program's file, as the assembler takes it.
 pub(crate) fn root(file: &Path) -> Result<SourceFile, Failure> {
-    Ok(SourceFile { name: file.display().to_string(), bytes: read(file)?, builtin: false })
+    Ok(SourceFile { name: name(file), bytes: read(file)?, builtin: false })
 }
 
 /// Writes a file, or to stdout.
@@ -38,7 +44,7 @@ pub(crate) fn write(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
 }
 
 /// Finds an included file beside the one that includes it. Where the file system tells letters apart and there is no file of
-/// that very name, one that differs in case does: the programs come from systems that do not.
+/// that very name, one that differs in case does, and so do folders: the programs come from systems that do not.
 pub(crate) struct BesideIncluder;
 
 impl Resolver for BesideIncluder {
@@ -53,16 +59,18 @@ impl Resolver for BesideIncluder {
 }
 
 fn in_other_case(path: &Path) -> Option<PathBuf> {
-    let name = path.file_name()?.to_str()?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let entries = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
-    let same = |entry: &PathBuf| {
-        entry
-            .file_name()
-            .and_then(|found| found.to_str())
-            .is_some_and(|found| found.eq_ignore_ascii_case(name))
-    };
-    entries.filter(|entry| entry.is_file()).find(same)
+    let mut found = PathBuf::new();
+    for component in path.components() {
+        let exact = found.join(component);
+        found = if exact.exists() { exact } else { sibling_in_other_case(&found, component.as_os_str())? };
+    }
+    found.is_file().then_some(found)
+}
+
+fn sibling_in_other_case(folder: &Path, name: &OsStr) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut entries = std::fs::read_dir(folder).ok()?.flatten();
+    entries.find(|entry| entry.file_name().eq_ignore_ascii_case(name)).map(|entry| entry.path())
 }
 
 /// Without `.` and `a/..`, so that a file has one name.

@@ -20,7 +20,9 @@ pub(crate) fn listing(assembly: &Assembly) -> String {
 }
 
 fn add_file(text: &mut String, assembly: &Assembly, file: FileId, source: &SourceFile) {
-    let lines = source.bytes.split(|byte| *byte == b'\n');
+    // What follows the last line feed is a line only if there is something.
+    let text_of_lines = source.bytes.strip_suffix(b"\n").unwrap_or(&source.bytes);
+    let lines = text_of_lines.split(|byte| *byte == b'\n');
     let mut start = 0;
     for (index, line) in lines.enumerate() {
         let span = Span::new(file, start..start + line.len());

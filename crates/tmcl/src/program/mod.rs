@@ -8,7 +8,7 @@ pub(crate) mod symbols;
 
 use std::path::Path;
 
-use tmcl_lang::{Assembly, Diagnostic, Severity, lint};
+use tmcl_lang::{Assembly, Diagnostic, Severity, SourceFile, lint};
 use tmcl_tables::ModuleSpec;
 
 use crate::exit::Failure;
@@ -28,13 +28,18 @@ impl Checked {
         module: Option<&'static ModuleSpec>,
         lints: &LintOptions,
     ) -> Result<Self, Failure> {
-        let assembly = tmcl_lang::assemble(files::root(file)?, module, &mut files::BesideIncluder);
+        Ok(Self::of(files::root(file)?, module, lints))
+    }
+
+    /// Assembles a text, and lints it where it has no errors.
+    pub(crate) fn of(source: SourceFile, module: Option<&'static ModuleSpec>, lints: &LintOptions) -> Self {
+        let assembly = tmcl_lang::assemble(source, module, &mut files::BesideIncluder);
         let mut diagnostics = assembly.diagnostics.clone();
         if !assembly.has_errors() {
             diagnostics.extend(lint::lint(&assembly.program, &assembly.sources));
         }
         diagnostics.retain(|diagnostic| lints.reports(diagnostic.code));
-        Ok(Self { assembly, diagnostics })
+        Self { assembly, diagnostics }
     }
 
     /// How many diagnostics are that bad.

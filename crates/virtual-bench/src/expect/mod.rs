@@ -36,4 +36,5 @@ mod watch;
 pub use error::ExpectError;
 pub use expectation::Expectation;
 pub use monitor::Monitor;
+pub use show::time as shown_time;
 pub use verdict::{Outcome, Verdict};

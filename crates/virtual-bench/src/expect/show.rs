@@ -14,7 +14,8 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// A time in seconds, to the millisecond or as far as it has digits.
-pub(super) fn time(time_ns: u64) -> String {
+#[must_use]
+pub fn time(time_ns: u64) -> String {
     let text = format!("{}.{:09}", time_ns / 1_000_000_000, time_ns % 1_000_000_000);
     let least = text.len() - 6;
     let kept = text.trim_end_matches('0').len().max(least);

@@ -6,8 +6,8 @@ use std::time::Duration;
 use serde::Serialize;
 use tmcl_lang::Assembly;
 use tmcl_tables::STATUSES;
-use virtual_bench::expect::{Monitor, Outcome as Verdict};
-use virtual_bench::{Bench, ProgramMode, RefusedInstruction};
+use virtual_bench::expect::{Monitor, Outcome as Verdict, shown_time};
+use virtual_bench::{Bench, Probe, ProgramMode, Quantity, RefusedInstruction};
 
 use super::{MODULE, count};
 use crate::exit::Code;
@@ -63,11 +63,15 @@ pub(super) struct Report<'a> {
     program: String,
     module: &'static str,
     instructions: usize,
+    #[serde(skip)]
+    virtual_time_ns: u64,
     virtual_time_s: f64,
     times_real_time: f64,
     ended: Ended,
     /// Whether the program runs on.
     running: bool,
+    /// Whether the module says that its motor moves.
+    moving: bool,
     /// The instruction that is executed, or would be next.
     address: u16,
     at: Option<Place>,
@@ -100,10 +104,12 @@ impl<'a> Report<'a> {
                 .map_or_else(String::new, |(_, source)| source.name.clone()),
             module: assembly.program.module.id,
             instructions: assembly.program.instructions.len(),
+            virtual_time_ns: bench.time_ns(),
             virtual_time_s,
             times_real_time: virtual_time_s / elapsed.as_secs_f64().max(1e-9),
             ended,
             running: vm.is_some_and(|vm| vm.mode() == ProgramMode::Run),
+            moving: is_moving(bench),
             address,
             at: place(assembly, address),
             held: count(monitor, |outcome| matches!(outcome, Verdict::Held { .. })),
@@ -158,11 +164,9 @@ impl<'a> Report<'a> {
             Ended::ProgramStopped => "",
             Ended::TimeUp => "the time is up; ",
         };
-        let virtual_time_s = self.virtual_time_s;
-        format!(
-            "{virtual_time_s:.3} s of virtual time on the {}: {why}the program {program} {place}\n",
-            self.module
-        )
+        let motor = if self.moving && !self.running { "; the motor moves on" } else { "" };
+        let time = shown_time(self.virtual_time_ns);
+        format!("{time} of virtual time on the {}: {why}the program {program} {place}{motor}\n", self.module)
     }
 }
 
@@ -225,6 +229,15 @@ fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
         count: refused.count,
         first_s: seconds(refused.first_ns),
     }
+}
+
+/// By its actual velocity, which every module has.
+fn is_moving(bench: &Bench) -> bool {
+    let parameters = bench.spec(MODULE).map_or(&[][..], |spec| spec.axis_parameters);
+    let velocity = parameters.iter().find(|parameter| parameter.id == "actual_velocity");
+    velocity.is_some_and(|velocity| {
+        bench.read(Probe { module: MODULE, quantity: Quantity::Parameter(velocity.number) }) != 0.0
+    })
 }
 
 fn seconds(time_ns: u64) -> f64 {
