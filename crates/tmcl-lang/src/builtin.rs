@@ -8,11 +8,10 @@ use std::fmt::Write;
 
 use tmcl_tables::{ModuleSpec, ParameterSpec};
 
+use crate::instruction::ALL;
+
 /// Their names; they are the same in any case.
 pub const BUILTIN_INCLUDES: [&str; 2] = ["TMCLParam.tmc", "Interrupts.inc"];
-
-/// The interrupt that stands for all of them in EI and DI (TMCM-1311 §5.7.33).
-const ALL_INTERRUPTS: u8 = 255;
 
 /// The built-in include file of that name for a module.
 #[must_use]
@@ -29,14 +28,18 @@ pub fn builtin_include(name: &str, module: &ModuleSpec) -> Option<String> {
     Some(text)
 }
 
-/// Every name that the built-in files define, in lower case, and the file that does.
-pub(crate) fn builtin_names(module: &ModuleSpec) -> BTreeMap<String, &'static str> {
+/// A name that a built-in file defines.
+#[derive(Clone, Debug)]
+pub(crate) struct BuiltinName {
+    pub(crate) name: String,
+    pub(crate) file: &'static str,
+}
+
+/// Every name that the built-in files define, by the name in lower case.
+pub(crate) fn builtin_names(module: &ModuleSpec) -> BTreeMap<String, BuiltinName> {
+    let named = |file| move |Definition { name, .. }| (name.to_lowercase(), BuiltinName { name, file });
     let files = BUILTIN_INCLUDES.into_iter();
-    files
-        .flat_map(|file| {
-            definitions(file, module).into_iter().map(move |known| (known.name.to_lowercase(), file))
-        })
-        .collect()
+    files.flat_map(|file| definitions(file, module).into_iter().map(named(file))).collect()
 }
 
 struct Definition {
@@ -93,7 +96,7 @@ fn interrupts(module: &ModuleSpec) -> Vec<Definition> {
     });
     let all = Definition {
         name: "TI_GLOBAL".to_owned(),
-        value: ALL_INTERRUPTS,
+        value: ALL,
         comment: "all interrupts, in EI and DI".to_owned(),
     };
     each.chain([all]).collect()

@@ -78,7 +78,7 @@ codes! {
     JumpBeyondProgram = "W0013", "a jump to where the program has no instruction";
     StrayComma = "W0014", "a comma after the mnemonic";
     SurplusOperand = "W0015", "an operand that the command does not take";
-    SubroutineReturnInInterrupt = "W0016", "an interrupt routine can end with RSUB or STOP, or never return";
+    SubroutineReturnInInterrupt = "W0016", "an interrupt routine can end with RSUB or STOP, or RETI inside a subroutine, or never return";
     NegativeTime = "W0017", "a negative time, which is no time";
 }
 

@@ -2,6 +2,10 @@
 
 use tmcl_tables::Command;
 
+/// Stands for all ports of a bank in SIO and GIO, for all interrupts in EI and DI, and for the EEPROM in place of a motor in
+/// SCO and GCO (TMCM-1311 §5.7.14, §5.7.15, §5.7.24, §5.7.25, §5.7.33).
+pub(crate) const ALL: u8 = 255;
+
 /// The seven bytes of an instruction, by their fields (TMCM-1311 §4.1: a command without address and checksum).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Instruction {
@@ -37,5 +41,11 @@ impl Instruction {
     #[must_use]
     pub fn known_command(self) -> Option<Command> {
         Command::try_from(self.command).ok()
+    }
+
+    /// Whether nothing can run on behind it, so that the assembler appends no STOP to a program that ends with it.
+    pub(crate) fn ends_a_program(self) -> bool {
+        use Command::{Jump, ReturnFromInterrupt, ReturnFromSubroutine, Stop};
+        matches!(self.known_command(), Some(Stop | Jump | ReturnFromSubroutine | ReturnFromInterrupt))
     }
 }

@@ -25,7 +25,7 @@ fn e0103_operand_kind() {
 
 #[test]
 fn e0104_undefined_name() {
-    let text = "MaxSpeed = 500\nSAP 4, 0, MaxSped\nSAP 5, 0, Below\nBelow = 7\nSAP 6, 0, -Nothing\nEI TI_GLOBAL\nOther = Missing\nSAP 7, 0, Other\n";
+    let text = "MaxSpeed = 500\nSAP 4, 0, MaxSped\nSAP 5, 0, Below\nBelow = 7\nSAP 6, 0, -Nothing\nEI TI_GLOBAL\nOther = Missing\nSAP 7, 0, Other\nSAP APMaxVelocty, 0, 1\n";
     assert_snapshot!(render(&alone(text)));
 }
 
@@ -57,6 +57,7 @@ fn e0202_unknown_parameter() {
     assert_snapshot!(render(&alone(
         "SAP 253, 0, 8\nGAP 21, 0\nSGP 1, 1, 0\nGGP 63, 0\nAGP 5, 3\nSTGP 200, 0\n"
     )));
+    assert_snapshot!("e0202_others_have_one", render(&alone_for("1640", "GAP 5, 0\nGAP 140, 0\n")));
 }
 
 #[test]
@@ -71,7 +72,16 @@ fn e0204_write_only_parameter() {
 
 #[test]
 fn e0205_not_storable() {
-    assert_snapshot!(render(&alone("STAP 0, 0\nRSAP 8, 0\nSTGP 56, 2\nRSGP 132, 0\n")));
+    assert_snapshot!(render(&alone("STAP 0, 0\nRSAP 8, 0\nSTGP 56, 2\nRSGP 0, 3\n")));
+}
+
+#[test]
+fn stgp_and_rsgp_take_all_of_bank_0() {
+    assert_eq!(
+        clean("STGP 132, 0\nRSGP 132, 0\nSTGP 66, 0\nRSGP 130, 0\n"),
+        [(11, 132), (12, 132), (11, 66), (12, 130)].map(|(command, kind)| instruction(command, kind, 0, 0))
+    );
+    assert_eq!(codes(&alone("STGP 63, 0\nRSGP 63, 0\nSTGP 0, 3\n")), ["E0202", "E0202", "E0205"]);
 }
 
 #[test]

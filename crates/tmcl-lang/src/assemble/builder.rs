@@ -2,24 +2,23 @@
 
 use std::collections::BTreeMap;
 
-use tmcl_tables::{Command, CommandSpec, ModuleSpec, commands};
+use tmcl_tables::{CommandSpec, ModuleSpec, commands};
 
 use super::check;
 use super::count;
-use super::data;
 use super::header::Target;
 use super::load::Loaded;
 use super::names::{Names, Number};
 use super::operand::At;
 use super::suggest::NearMisses;
 use super::words;
-use crate::builtin::builtin_names;
+use crate::builtin::{BuiltinName, builtin_names};
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
 use crate::instruction::Instruction;
 use crate::program::Program;
 use crate::source::{FileId, Sources, Span};
-use crate::syntax::{Constant, InstructionSyntax, Name, Statement};
+use crate::syntax::{Constant, DATA, InstructionSyntax, Name, Statement};
 
 /// An instruction whose operands were read. A field is None where no operand writes it, or where its operand was complained
 /// about.
@@ -55,7 +54,7 @@ pub(super) struct Builder<'a> {
     pub(super) names: Names,
     pub(super) near: NearMisses,
     /// What the built-in files would define, once a name was not found.
-    builtin_names: Option<BTreeMap<String, &'static str>>,
+    builtin_names: Option<BTreeMap<String, BuiltinName>>,
     diagnostics: Vec<Diagnostic>,
     instructions: Vec<Instruction>,
     origins: Vec<Span>,
@@ -86,7 +85,15 @@ impl<'a> Builder<'a> {
     pub(super) fn builtin_file(&mut self, name: &str) -> Option<&'static str> {
         let module = self.module;
         let names = self.builtin_names.get_or_insert_with(|| builtin_names(module));
-        names.get(&name.to_ascii_lowercase()).copied()
+        names.get(&name.to_ascii_lowercase()).map(|known| known.file)
+    }
+
+    /// What the built-in files would define that has a similar name.
+    pub(super) fn near_builtin(&mut self, name: &str) -> Option<BuiltinName> {
+        let module = self.module;
+        let names = self.builtin_names.get_or_insert_with(|| builtin_names(module));
+        let nearest = self.near.nearest(name, names.keys().map(String::as_str))?;
+        names.get(nearest).cloned()
     }
 
     /// The bytes of the text at a place.
@@ -115,7 +122,7 @@ impl<'a> Builder<'a> {
     fn instruction(&mut self, syntax: &InstructionSyntax, has_errors: bool) {
         let instruction = if has_errors {
             None
-        } else if syntax.mnemonic.text.eq_ignore_ascii_case(data::MNEMONIC) {
+        } else if syntax.mnemonic.text.eq_ignore_ascii_case(DATA) {
             self.data(syntax)
         } else {
             self.read(syntax).map(|read| read.instruction())
@@ -180,10 +187,9 @@ impl<'a> Builder<'a> {
                 let message = format!("the {module} has no command {mnemonic}");
                 let diagnostic = Diagnostic::new(Code::CommandMissing, span, message);
                 let has = check::modules_with(|other| other.command(spec.number).is_some());
-                Some(if has.is_empty() {
-                    diagnostic
-                } else {
-                    diagnostic.note(format!("it is a command of the {has}"))
+                Some(match words::list(&has, "and").as_str() {
+                    "" => diagnostic,
+                    has => diagnostic.note(format!("it is a command of the {has}")),
                 })
             }
         }
@@ -191,13 +197,7 @@ impl<'a> Builder<'a> {
 
     /// Appends the STOP and looks at the length.
     fn finish(mut self) -> (Program, Vec<Diagnostic>) {
-        let last = self.instructions.last().and_then(|last| last.known_command());
-        let ends = matches!(
-            last,
-            Some(
-                Command::Stop | Command::Jump | Command::ReturnFromSubroutine | Command::ReturnFromInterrupt
-            )
-        );
+        let ends = self.instructions.last().is_some_and(|last| last.ends_a_program());
         let is_written = !self.instructions.is_empty();
         let appends_stop = self.appends_stop && !ends;
         if appends_stop {
@@ -228,6 +228,7 @@ impl<'a> Builder<'a> {
             let message = format!("the {module} has no program memory");
             let diagnostic = Diagnostic::new(Code::ProgramTooLong, first_beyond, message);
             let has = check::modules_with(|other| other.program_memory > 0);
+            let has = words::list(&has, "and");
             return Some(diagnostic.note(format!("stand-alone programs run on the {has}")));
         }
         let count = self.instructions.len();

@@ -5,11 +5,9 @@ use tmcl_tables::{Command, CommandSpec, MotorField, NamedType, Operand as Field,
 use super::words;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
+use crate::instruction::ALL;
 use crate::source::Span;
 use crate::syntax::{InstructionSyntax, Operand, OperandKind};
-
-/// The motor number that stands for the EEPROM in SCO and GCO.
-const EEPROM: u32 = 255;
 
 /// The complaint where there are too many operands or too few.
 pub(super) fn check(spec: &CommandSpec, syntax: &InstructionSyntax) -> Option<Diagnostic> {
@@ -71,9 +69,9 @@ fn is_copying_form(operands: &[Operand]) -> bool {
         operands,
         [
             _,
-            Operand { negated: false, kind: OperandKind::Number(EEPROM), .. },
+            Operand { negated: false, kind: OperandKind::Number(motor), .. },
             Operand { kind: OperandKind::Number(0), .. }
-        ]
+        ] if *motor == u32::from(ALL)
     )
 }
 

@@ -7,23 +7,20 @@ use super::check;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
 use crate::instruction::Instruction;
-use crate::syntax::InstructionSyntax;
-
-/// What is written in place of a command's mnemonic.
-pub(super) const MNEMONIC: &str = "DATA";
+use crate::syntax::{DATA, InstructionSyntax};
 
 impl Builder<'_> {
     /// The instruction; None where an operand was complained about.
     pub(super) fn data(&mut self, syntax: &InstructionSyntax) -> Option<Instruction> {
         let [command, kind, motor, value] = syntax.operands.as_slice() else {
-            let message = format!("DATA takes four operands, not {}", syntax.operands.len());
+            let message = format!("{DATA} takes four operands, not {}", syntax.operands.len());
             let diagnostic = Diagnostic::new(Code::OperandCount, syntax.span, message);
-            self.complain(diagnostic.note("`DATA <command>, <type>, <motor>, <value>`"));
+            self.complain(diagnostic.note(format!("`{DATA} <command>, <type>, <motor>, <value>`")));
             return None;
         };
         let bytes = [(command, "a command"), (kind, "a type"), (motor, "a motor or bank")]
-            .map(|(operand, noun)| self.byte(MNEMONIC, operand, noun));
-        let number = self.number(MNEMONIC, "a value", value);
+            .map(|(operand, noun)| self.byte(DATA, operand, noun));
+        let number = self.number(DATA, "a value", value);
         let [Some(command), Some(kind), Some(motor)] = bytes else { return None };
         match check::bits(number?, true) {
             Some(value) => Some(Instruction { command, kind, motor, value }),

@@ -6,6 +6,7 @@ use super::builder::{Builder, Read};
 use super::count;
 use super::names::Number;
 use super::words;
+use crate::builtin::BuiltinName;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -93,8 +94,13 @@ impl Builder<'_> {
         }
         let nearest = self.near.nearest(name, self.names.constant_names()).map(str::to_owned);
         let name_span = Span { start: span.end.saturating_sub(length(name)), ..span };
-        match nearest {
-            Some(near) => diagnostic.suggest(name_span, near, "a constant has a similar name"),
+        if let Some(near) = nearest {
+            return diagnostic.suggest(name_span, near, "a constant has a similar name");
+        }
+        match self.near_builtin(name) {
+            Some(BuiltinName { name: near, file }) => diagnostic
+                .note(format!("the built-in file {file} defines `{near}`: `#include {file}`"))
+                .suggest(name_span, near, "a built-in constant has a similar name"),
             None => diagnostic,
         }
     }

@@ -1,25 +1,20 @@
 //! What the numbers of an instruction are called.
 
-use tmcl_tables::{Command, ModuleSpec, ParameterSpec, TypeField, ValueField};
+use tmcl_tables::{CommandSpec, ModuleSpec, ParameterSpec, TypeField, ValueField};
 
-use crate::instruction::Instruction;
+use crate::instruction::{ALL, Instruction};
 
-use super::refusal::{ALL, is_all_ports};
+use super::text;
 
 /// The name of the parameter, port or interrupt that an instruction is about; empty for others.
-pub(super) fn comment(instruction: Instruction, module: &'static ModuleSpec) -> String {
-    let Some(spec) = instruction.known_command().map(Command::spec) else { return String::new() };
+pub(super) fn comment(instruction: Instruction, spec: &CommandSpec, module: &'static ModuleSpec) -> String {
     let number = instruction.kind;
     let name = match spec.type_field {
-        TypeField::AxisParameter => {
-            let parameter = module.axis_parameter(number);
+        TypeField::AxisParameter | TypeField::GlobalParameter => {
+            let parameter = text::parameter(instruction, spec, module);
             parameter.map(|parameter| parameter_name(parameter, instruction, spec.value_field))
         }
-        TypeField::GlobalParameter => {
-            let entry = module.global_parameter(instruction.motor, number);
-            entry.map(|entry| parameter_name(&entry.parameter, instruction, spec.value_field))
-        }
-        TypeField::Port if is_all_ports(instruction) => Some("all at once".to_owned()),
+        TypeField::Port if number == ALL => Some("all at once".to_owned()),
         TypeField::Port => module.port(instruction.motor, number).map(|port| port.name.to_owned()),
         TypeField::Interrupt if number == ALL => Some("interrupts as a whole".to_owned()),
         TypeField::Interrupt => module.interrupt(number).map(|interrupt| interrupt.name.to_owned()),

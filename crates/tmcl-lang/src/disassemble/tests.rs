@@ -86,14 +86,14 @@ fn what_no_operands_can_say() {
         DATA 77, 1, 2, 3    // no command of a program
         DATA 28, 0, 0, 1    // STOP, with fields set that it does not use
         SAP 254, 0, 1       // Step/Dir mode: ENABLE selects hold or run current; closed loop: switches the motor off or on
-        DATA 5, 4, 1, 1     // SAP with a motor or bank that the TMCM-1311 does not have
+        DATA 5, 4, 1, 1     // the TMCM-1311 has no motor 1
         SAP 1, 0, 0         // Actual position [µstep]
-        DATA 5, 8, 0, 0     // SAP of something that cannot be used so
-        DATA 5, 6, 0, 256   // SAP with a value that is not taken
-        DATA 14, 0, 0, 1    // SIO of something that cannot be used so
-        DATA 22, 0, 0, -1   // JA with a value that is not taken
+        DATA 5, 8, 0, 0     // axis parameter 8 (Target pos. reached) can only be read
+        DATA 5, 6, 0, 256   // axis parameter 6 (Absolute max. current (CS / Current Scale)) does not take 256
+        DATA 14, 0, 0, 1    // port 0 of bank 0 (AIN_0, read as a digital input) is an input
+        DATA 22, 0, 0, -1   // -1 is no address in the program memory of the TMCM-1311
         JA 2000
-        DATA 37, 255, 0, 0  // VECT of something that the TMCM-1311 does not have
+        DATA 37, 255, 0, 0  // 255 stands for all interrupts and has no routine of its own
         DATA 129, 0, 0, 0   // no command of a program
     "#);
 }
@@ -107,13 +107,14 @@ fn nothing_at_all() {
 }
 
 #[test]
-fn a_module_without_programs_says_everything_byte_by_byte() {
-    insta::assert_snapshot!(disassemble(&[it(5, 4, 0, 1), Instruction::STOP], &tmcm_1076::SPEC), @r#"
+fn nothing_is_held_against_a_module_without_programs() {
+    insta::assert_snapshot!(disassemble(&[it(5, 4, 7, 1), it(28, 1, 0, 0), it(22, 0, 0, 0)], &tmcm_1076::SPEC), @r#"
     //! module: tmcm-1076
-    //! no-final-stop
 
-        DATA 5, 4, 0, 1   // SAP, which no program of the TMCM-1076 can hold
-        DATA 28, 0, 0, 0  // STOP, which no program of the TMCM-1076 can hold
+    L_0:
+        SAP 4, 7, 1
+        DATA 28, 1, 0, 0  // STOP, with fields set that it does not use
+        JA L_0
     "#);
 }
 
@@ -169,6 +170,29 @@ proptest! {
         let text = disassemble(&instructions, module(id));
         prop_assert_eq!(String::from_utf8(format(text.as_bytes())).unwrap(), text);
     }
+}
+
+#[test]
+fn what_the_assembler_only_warns_of_and_what_does_nothing() {
+    let instructions =
+        [it(27, 0, 7, -5), it(27, 1, 0, -1), it(19, 8, 0, 5), it(11, 132, 0, 0), it(12, 0, 3, 0)];
+    insta::assert_snapshot!(disassemble(&instructions, &tmcm_1311::SPEC), @r#"
+    //! module: tmcm-1311
+    //! no-final-stop
+
+        WAIT TICKS, 7, -5
+        WAIT POS, 0, -1
+        CALC NOT, 5
+        STGP 132, 0       // Tick timer [ms]
+        DATA 12, 0, 3, 0  // global parameter 0 in bank 3 (Timer 0 period) is not kept in the EEPROM
+    "#);
+}
+
+#[test]
+fn no_instruction_is_to_blame_for_too_many() {
+    let instructions = vec![it(3, 0, 0, 0); 2100];
+    let text = disassemble(&instructions, &tmcm_1311::SPEC);
+    assert_eq!(text.matches("MST 0").count(), 2100);
 }
 
 #[test]

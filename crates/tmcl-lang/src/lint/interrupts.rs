@@ -4,15 +4,13 @@ use tmcl_tables::Command;
 
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
+use crate::instruction::ALL;
 
 use super::Findings;
 use super::backward::{Passes, can_end, can_return};
 use super::flow::{Graph, Step};
 use super::forward::{Context, Forward, Place};
 use super::places::{Places, interrupt_name};
-
-/// Stands for the interrupts as a whole in EI and DI (TMCM-1311 §5.6.3).
-const ALL_INTERRUPTS: u8 = 255;
 
 /// Reports all of it.
 pub(super) fn report(
@@ -31,8 +29,7 @@ pub(super) fn report(
 /// The EIs of single interrupts that are reached, with the interrupt.
 fn enabled(graph: &Graph, actual: &Forward) -> Vec<(usize, u8)> {
     let enables = graph.commands().filter(|(_, command, _)| *command == Command::EnableInterrupt);
-    let reached =
-        enables.filter(|(address, _, it)| it.kind != ALL_INTERRUPTS && actual.reaches_at_all(*address));
+    let reached = enables.filter(|(address, _, it)| it.kind != ALL && actual.reaches_at_all(*address));
     reached.map(|(address, _, it)| (address, it.kind)).collect()
 }
 
@@ -54,7 +51,7 @@ fn without_vector(graph: &Graph, places: &Places, actual: &Forward, found: &mut 
 }
 
 fn never_on(graph: &Graph, places: &Places, actual: &Forward, found: &mut Findings) {
-    let is_master = |command, kind| command == Command::EnableInterrupt && kind == ALL_INTERRUPTS;
+    let is_master = |command, kind| command == Command::EnableInterrupt && kind == ALL;
     if graph.commands().any(|(_, command, it)| is_master(command, it.kind)) {
         return;
     }
@@ -67,7 +64,10 @@ fn never_on(graph: &Graph, places: &Places, actual: &Forward, found: &mut Findin
         let text = format!("nor can {}", interrupt_name(graph.module, *number));
         diagnostic = diagnostic.also(places.span(*address), text);
     }
-    found.push(*first, diagnostic.note("EI 255 switches interrupt processing on (TMCM-1311 §5.6.5)"));
+    found.push(
+        *first,
+        diagnostic.note(format!("EI {ALL} switches interrupt processing on (TMCM-1311 §5.6.5)")),
+    );
 }
 
 /// RSUB and STOP in interrupt routines, and RETI in their subroutines.

@@ -2,6 +2,9 @@
 
 use tmcl_tables::{Command, CommandSpec};
 
+/// What is written in place of a mnemonic where an instruction is four numbers.
+pub(crate) const DATA: &str = "DATA";
+
 /// The command that program text calls so, in any case.
 pub(crate) fn command(mnemonic: &str) -> Option<&'static CommandSpec> {
     let mut commands = Command::ALL.iter().map(|command| command.spec());

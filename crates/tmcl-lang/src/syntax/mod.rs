@@ -22,7 +22,7 @@ mod parser;
 mod token;
 mod tree;
 
-pub(crate) use command::command;
+pub(crate) use command::{DATA, command};
 pub use lexer::lex;
 pub(crate) use lexer::{BYTE_ORDER_MARK, is_space};
 pub use parser::{Parse, parse};

@@ -2,19 +2,17 @@
 
 use tmcl_tables::{Command, ModuleSpec, MotorField};
 
-use super::{ALL, label_value, names_motor};
+use super::{label_value, names_motor};
 use crate::assemble::builder::Read;
 use crate::assemble::words;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
-
-/// The motor number that stands for the EEPROM in SCO and GCO.
-const EEPROM: u8 = 255;
+use crate::instruction::ALL;
 
 /// The complaint where there is no such motor: each module has motor 0 only.
 pub(super) fn motor(module: &ModuleSpec, read: &Read) -> Option<Diagnostic> {
     let motor = read.motor?;
-    let is_eeprom = read.spec.motor_field == MotorField::CoordinateStore && motor.value == EEPROM;
+    let is_eeprom = read.spec.motor_field == MotorField::CoordinateStore && motor.value == ALL;
     if motor.value == 0 || is_eeprom || !names_motor(read) {
         return None;
     }
@@ -22,7 +20,7 @@ pub(super) fn motor(module: &ModuleSpec, read: &Read) -> Option<Diagnostic> {
     let diagnostic = Diagnostic::new(Code::UnknownMotor, motor.span, message);
     let diagnostic = match read.spec.motor_field {
         MotorField::CoordinateStore => {
-            diagnostic.note("its only motor is 0; 255 copies between RAM and EEPROM")
+            diagnostic.note(format!("its only motor is 0; {ALL} copies between RAM and EEPROM"))
         }
         _ => diagnostic.note("its only motor is 0"),
     };

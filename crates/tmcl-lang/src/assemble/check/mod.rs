@@ -12,11 +12,7 @@ use tmcl_tables::{Command, MODULES, ModuleSpec, MotorField, TypeField, ValueFiel
 use super::builder::Read;
 use super::names::Number;
 use super::operand::At;
-use super::words;
 use crate::diagnostic::Diagnostic;
-
-/// The port that stands for all of a bank, and the interrupt that stands for all.
-const ALL: u8 = 255;
 
 /// What is wrong with an instruction for a module; without one, only what is wrong anywhere.
 pub(super) fn check(module: Option<&'static ModuleSpec>, read: &Read) -> Vec<Diagnostic> {
@@ -91,7 +87,6 @@ fn label_value(diagnostic: Diagnostic, number: Number) -> Diagnostic {
 }
 
 /// The names of the modules that have something.
-pub(super) fn modules_with(has: impl Fn(&ModuleSpec) -> bool) -> String {
-    let names: Vec<&str> = MODULES.iter().filter(|module| has(module)).map(|module| module.name).collect();
-    words::list(&names, "and")
+pub(super) fn modules_with(has: impl Fn(&ModuleSpec) -> bool) -> Vec<&'static str> {
+    MODULES.iter().filter(|module| has(module)).map(|module| module.name).collect()
 }

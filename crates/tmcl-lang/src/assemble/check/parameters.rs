@@ -8,6 +8,9 @@ use crate::assemble::words;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
 
+/// The bank of the module's settings, among the global parameters.
+const SETTINGS_BANK: u8 = 0;
+
 /// What a command does with a parameter.
 enum Use {
     Write,
@@ -56,9 +59,11 @@ fn axis(module: &'static ModuleSpec, read: &Read) -> Result<Option<Parameter>, B
     let message = format!("the {} has no axis parameter {number}", module.name);
     let diagnostic = Diagnostic::new(Code::UnknownParameter, kind.span, message);
     let others = modules_with(|other| other.axis_parameter(number).is_some());
-    let complaint =
-        if others.is_empty() { diagnostic } else { diagnostic.note(format!("the {others} has one")) };
-    Err(Box::new(complaint))
+    let verb = if others.len() == 1 { "has" } else { "have" };
+    Err(Box::new(match words::list(&others, "and").as_str() {
+        "" => diagnostic,
+        others => diagnostic.note(format!("the {others} {verb} one")),
+    }))
 }
 
 /// None where its number or bank was complained about before.
@@ -94,12 +99,18 @@ fn access(parameter: &Parameter, read: &Read) -> Option<Diagnostic> {
         Use::Read if !access.read => {
             Diagnostic::new(Code::WriteOnlyParameter, span, format!("{title} can only be written"))
         }
-        Use::Store if !access.store => {
+        Use::Store if !access.store && !is_stored_by_writing(read) => {
             Diagnostic::new(Code::NotStorable, span, format!("{title} is not kept in the EEPROM"))
         }
         _ => return None,
     };
     Some(diagnostic.note(format!("its access is {access}: {}", spelled_out(access))))
+}
+
+/// Global parameters of bank 0, which need no storing: STGP and RSGP take them all, and do nothing (decision).
+fn is_stored_by_writing(read: &Read) -> bool {
+    let is_global = read.spec.type_field == TypeField::GlobalParameter;
+    is_global && read.motor.is_some_and(|bank| bank.value == SETTINGS_BANK)
 }
 
 fn spelled_out(access: tmcl_tables::Access) -> String {

@@ -2,11 +2,12 @@
 
 use tmcl_tables::{Command, Direction, ModuleSpec, PortSpec, ValueSet};
 
-use super::{ALL, bits, label_value, values};
+use super::{bits, label_value, values};
 use crate::assemble::builder::Read;
 use crate::assemble::words;
 use crate::code::Code;
 use crate::diagnostic::Diagnostic;
+use crate::instruction::ALL;
 
 /// The bank whose inputs GIO 255 reads all at once.
 const INPUT_BANK: u8 = 0;
@@ -27,7 +28,7 @@ pub(super) fn check(module: &'static ModuleSpec, read: &Read) -> Option<Diagnost
     }
     let Some(kind) = read.kind else { return values::fits(read) };
     if kind.value == ALL && bank.value == if sets { OUTPUT_BANK } else { INPUT_BANK } {
-        return value(&ALL_OUTPUTS, "SIO 255, which sets all outputs,", read);
+        return value(&ALL_OUTPUTS, &format!("SIO {ALL}, which sets all outputs,"), read);
     }
     match module.port(bank.value, kind.value) {
         Some(port) if sets && port.direction == Direction::Input => {
@@ -48,10 +49,10 @@ pub(super) fn check(module: &'static ModuleSpec, read: &Read) -> Option<Diagnost
     }
 }
 
-fn all_at_once(bank: u8, sets: bool) -> &'static str {
+fn all_at_once(bank: u8, sets: bool) -> String {
     match (bank, sets) {
-        (OUTPUT_BANK, true) | (INPUT_BANK, false) => "; 255 stands for all of them",
-        _ => "",
+        (OUTPUT_BANK, true) | (INPUT_BANK, false) => format!("; {ALL} stands for all of them"),
+        _ => String::new(),
     }
 }
 
