@@ -73,6 +73,15 @@ pub trait Axis: Clone + Default {
     /// # Errors
     /// [`Refused`] when the axis cannot move now.
     fn motion(&mut self, motion: Motion) -> Result<(), Refused>;
+    /// Begins a reference search (RFS START); one that runs begins anew.
+    ///
+    /// # Errors
+    /// [`Refused`] when the axis cannot search now.
+    fn start_search(&mut self) -> Result<(), Refused>;
+    /// Aborts a reference search, which slows down to a stop (RFS STOP); does nothing when none runs.
+    fn stop_search(&mut self);
+    /// Where a reference search has got to (RFS STATUS); 0 when none runs.
+    fn search_state(&self) -> i32;
     /// Where the axis is, for CCO.
     fn actual_position(&self) -> i32;
     /// Whether the target position is reached, for command 138.

@@ -132,9 +132,7 @@ impl<A: Axis> Firmware<A> {
             Command::RequestPositionReachedEvent => Err(Status::InvalidValue),
             Command::SoftwareReset if value == CONFIRMATION => Ok(Outcome::Job(Job::Restart, value)),
             Command::SoftwareReset => Err(Status::InvalidValue),
-            // No search runs, so none is stopped and none is active.
-            Command::ReferenceSearch if kind == 1 => Ok(Outcome::Done(value)),
-            Command::ReferenceSearch if kind == 2 => Ok(Outcome::Done(0)),
+            Command::ReferenceSearch => self.reference_search(kind, value),
             // Empty until a customer's firmware fills them.
             Command::UserFunction0
             | Command::UserFunction1
@@ -144,10 +142,9 @@ impl<A: Axis> Firmware<A> {
             | Command::UserFunction5
             | Command::UserFunction6
             | Command::UserFunction7 => Err(Status::InvalidCommand),
-            // Reference search and the ASCII interface are still to come (docs/fidelity.md). Flow control is never available
-            // to a host, and in a program it is the interpreter's.
-            Command::ReferenceSearch
-            | Command::Compare
+            // The ASCII interface is still to come (docs/fidelity.md). Flow control is never available to a host, and in a
+            // program it is the interpreter's.
+            Command::Compare
             | Command::JumpConditional
             | Command::Jump
             | Command::CallSubroutine
@@ -182,6 +179,16 @@ impl<A: Axis> Firmware<A> {
                 self.begin(Motion::MoveTo(position), value)
             }
         }
+    }
+
+    /// RFS. Types beyond START and STOP are STATUS: the tables have no others.
+    fn reference_search(&mut self, kind: u8, sent: i32) -> Executed {
+        match kind {
+            0 => self.axis.start_search()?,
+            1 => self.axis.stop_search(),
+            _ => return Ok(Outcome::Done(self.axis.search_state())),
+        }
+        Ok(Outcome::Done(sent))
     }
 
     fn begin(&mut self, motion: Motion, sent: i32) -> Executed {

@@ -5,6 +5,7 @@
 mod common;
 
 use common::Module;
+use tmcl_tables::Command;
 use tmcl_wire::serial::checksum;
 
 /// An example: what is sent and what comes back, both without the checksum.
@@ -284,11 +285,13 @@ fn stand_alone_examples_are_not_available_in_direct_mode() {
     }
 }
 
-/// RFS START (§5.7.13) belongs to a later issue; until then it is a known command that is not available.
+/// RFS START (§5.7.13).
 #[test]
-fn a_reference_search_is_not_available_yet() {
+fn a_reference_search_starts() {
     let request = [0x01, 0x0d, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00];
-    assert_eq!(Module::new().exchange(&sealed(&request)), sealed(&[0x02, 0x01, 0x06, 0x0d, 0, 0, 0, 0]));
+    let mut module = Module::new();
+    assert_eq!(module.exchange(&sealed(&request)), sealed(&[0x02, 0x01, 100, 0x0d, 0, 0, 0, 0]));
+    assert_ne!(module.ok(Command::ReferenceSearch, 2, 0, 0), 0);
 }
 
 /// §5.7.37. As the motor stands on its target, the additional reply follows at once (decisions 1.9).

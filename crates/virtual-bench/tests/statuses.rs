@@ -25,8 +25,8 @@ const FLOW_CONTROL: [Command; 12] = [
     Command::ReturnFromInterrupt,
 ];
 
-/// Reference search and ASCII mode come with later issues.
-const LATER: [Command; 2] = [Command::ReferenceSearch, Command::EnterAsciiMode];
+/// ASCII mode comes with a later issue.
+const LATER: [Command; 1] = [Command::EnterAsciiMode];
 
 /// Addresses of the program memory: 2048 instructions (decisions 3.1).
 const ADDRESSES: [(i32, Status); 7] = [

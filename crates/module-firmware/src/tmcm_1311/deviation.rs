@@ -25,6 +25,7 @@ impl Tmcm1311 {
 
     /// Stands still, where it is, whatever it was about to do.
     pub(super) fn stop_at_once(&mut self) {
+        self.search = None;
         self.ramp.halt();
         self.target_position = self.ramp.position();
         if self.mode == RampMode::Velocity {

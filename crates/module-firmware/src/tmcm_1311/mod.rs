@@ -1,14 +1,16 @@
 //! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
 //!
-//! What stands: open loop, with stop on stall and on deviation of the encoder. Closed loop, reference search, stop switches and
-//! I²t are still to come; their parameters keep what is written to them (`docs/fidelity.md`).
+//! What stands: open loop, with stop switches, reference search, and stop on stall and on deviation of the encoder. Closed loop
+//! and I²t are still to come; their parameters keep what is written to them (`docs/fidelity.md`).
 
 mod deviation;
 mod driver;
 mod parameters;
 mod ports;
+mod search;
 mod switches;
 
+use motion_control::homing::Search;
 use motion_control::ramp::{Goal, Limits, Ramp};
 use motion_control::sine;
 pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
@@ -79,6 +81,8 @@ pub struct Tmcm1311 {
     mode: RampMode,
     target_position: i32,
     target_velocity: i32,
+    /// The reference search that runs.
+    search: Option<Search>,
     /// Where the field stands, in 1/256 full steps; 1024 make an electrical period.
     phase: u16,
     /// AP 209 less the raw encoder count.
@@ -103,6 +107,7 @@ impl Default for Tmcm1311 {
             mode: RampMode::Position,
             target_position: 0,
             target_velocity: 0,
+            search: None,
             phase: 0,
             encoder_offset: 0,
             outputs: 0,
@@ -122,16 +127,17 @@ impl Axis for Tmcm1311 {
     type Programs = Programs<{ tables::SPEC.program_memory as usize }>;
 
     fn is_idle(&self, sensed: &Sensed) -> bool {
-        self.sensed == *sensed && self.ramp.is_settled(&self.limits())
+        self.search.is_none()
+            && self.sensed == *sensed
+            && self.ramp.goal() == self.allowed_goal()
+            && self.ramp.is_settled(&self.limits())
     }
 
     fn tick(&mut self, sensed: &Sensed, events: &mut Events) -> Drive {
         self.sensed = *sensed;
         events.stall_stop = self.stop_on_stall();
         events.deviation_stop = self.stop_on_deviation();
-        let before = self.ramp.position();
-        self.ramp.tick(&self.limits());
-        self.step(self.ramp.position().wrapping_sub(before));
+        self.move_on();
         self.drive()
     }
 
@@ -153,13 +159,27 @@ impl Axis for Tmcm1311 {
         Ok(())
     }
 
+    fn start_search(&mut self) -> Result<(), Refused> {
+        self.begin_search()
+    }
+
+    fn stop_search(&mut self) {
+        if self.search.is_some() {
+            self.turn(0);
+        }
+    }
+
+    fn search_state(&self) -> i32 {
+        self.search.map_or(0, |search| search.state())
+    }
+
     fn actual_position(&self) -> i32 {
         self.ramp.position()
     }
 
-    /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8).
+    /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8). A search that runs has none yet.
     fn is_position_reached(&self) -> bool {
-        self.ramp.is_standing() && self.ramp.position() == self.target_position
+        self.search.is_none() && self.ramp.is_standing() && self.ramp.position() == self.target_position
     }
 
     fn has_happened(&self, event: WaitEvent) -> bool {
@@ -167,8 +187,7 @@ impl Axis for Tmcm1311 {
             WaitEvent::PositionReached => self.is_position_reached(),
             WaitEvent::ReferenceSwitch => self.is_home_switch_active(),
             WaitEvent::LimitSwitch => self.is_left_switch_active() || self.is_right_switch_active(),
-            // No search runs: the reference search is still to come.
-            WaitEvent::ReferenceSearch => true,
+            WaitEvent::ReferenceSearch => self.search.is_none(),
         }
     }
 
@@ -211,6 +230,7 @@ impl Axis for Tmcm1311 {
 impl Tmcm1311 {
     /// Velocity mode: speeds up or slows down to `velocity_pps` (§5.7.1).
     fn turn(&mut self, velocity_pps: i32) {
+        self.search = None;
         self.forget_deviation();
         self.mode = RampMode::Velocity;
         self.target_velocity = velocity_pps;
@@ -219,6 +239,7 @@ impl Tmcm1311 {
 
     /// Position mode: to `position` (§5.7.4).
     fn move_to(&mut self, position: i32) {
+        self.search = None;
         self.forget_deviation();
         self.mode = RampMode::Position;
         self.target_position = position;
@@ -244,6 +265,23 @@ impl Tmcm1311 {
             .checked_div(resolution)
             .and_then(|position| i32::try_from(position).ok())
             .unwrap_or_else(|| self.ramp.position())
+    }
+
+    /// A control period of the ramp, and of what drives it.
+    fn move_on(&mut self) {
+        if let Some(search) = self.search {
+            self.search_on(search);
+        } else {
+            self.heed_switches();
+            self.follow_ramp(&self.limits());
+        }
+    }
+
+    /// Lets the ramp go on, and the field with it.
+    fn follow_ramp(&mut self, limits: &Limits) {
+        let before = self.ramp.position();
+        self.ramp.tick(limits);
+        self.step(self.ramp.position().wrapping_sub(before));
     }
 
     fn limits(&self) -> Limits {

@@ -156,6 +156,9 @@ impl Tmcm1311 {
         let shift = position.wrapping_sub(self.ramp.position());
         self.target_position = self.target_position.wrapping_add(shift);
         self.ramp.redefine_position(position);
+        if let Some(search) = &mut self.search {
+            search.shift(shift);
+        }
     }
 
     /// AP 128, written directly: goes on with the target that stands.
@@ -168,14 +171,23 @@ impl Tmcm1311 {
         Ok(())
     }
 
-    /// AP 2: in position mode the velocity the ramp is driving at, 0 while it brakes or rests.
+    /// AP 2: in position mode the velocity the ramp is driving at, 0 while it brakes or rests; a stop switch leaves what was
+    /// commanded in velocity mode.
     fn commanded_velocity(&self) -> i32 {
         match self.ramp.goal() {
-            Goal::Velocity(velocity_pps) => velocity_pps,
-            Goal::Position(_) if self.ramp.is_standing() || self.ramp.is_braking() => 0,
-            Goal::Position(_) => {
-                self.kept_value(AxisParameter::MaxVelocity) * self.ramp.velocity_pps().signum()
-            }
+            Goal::Velocity(velocity_pps) if self.search.is_some() => velocity_pps,
+            _ if self.search.is_none() && self.mode == RampMode::Velocity => self.target_velocity,
+            _ if self.ramp.is_standing() || self.ramp.is_braking() => 0,
+            _ => self.top_velocity_pps() * self.ramp.velocity_pps().signum(),
+        }
+    }
+
+    /// The largest velocity of what the ramp is doing now.
+    fn top_velocity_pps(&self) -> i32 {
+        if self.search.is_some() {
+            self.search_pace().switch_pps
+        } else {
+            self.kept_value(AxisParameter::MaxVelocity)
         }
     }
 

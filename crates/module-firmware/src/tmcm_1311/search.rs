@@ -1,0 +1,71 @@
+//! The reference search: its settings, and how the ramp follows it (TMCM-1311 §5.7.13, §9; AP 193 to 196).
+
+use motion_control::homing::{Mode, Order, Pace, Search, Seen, Switches};
+use motion_control::ramp::{Goal, Limits};
+
+use super::{AxisParameter, RampMode, Tmcm1311};
+use crate::axis::Refused;
+
+impl Tmcm1311 {
+    /// RFS START: with the mode that AP 193 has now, from the velocity that the motor has now.
+    pub(super) fn begin_search(&mut self) -> Result<(), Refused> {
+        let number = self.kept_value(AxisParameter::ReferenceSearchMode);
+        let mode = Mode::from_number(number).ok_or(Refused::InvalidValue)?;
+        self.forget_deviation();
+        self.mode = RampMode::Position;
+        self.search = Some(Search::new(mode));
+        Ok(())
+    }
+
+    /// A control period of a search.
+    pub(super) fn search_on(&mut self, mut search: Search) {
+        let seen = Seen {
+            switches: Switches {
+                left: self.is_left_switch_active(),
+                right: self.is_right_switch_active(),
+                home: self.is_home_switch_active(),
+            },
+            position: self.ramp.position(),
+            standing: self.ramp.is_standing(),
+        };
+        let order = search.tick(&seen, &self.search_pace());
+        self.search = Some(search);
+        match order {
+            Order::Drive { goal, max_velocity_pps } => {
+                self.ramp.set_goal(goal);
+                self.follow_ramp(&Limits { max_velocity_pps, ..self.limits() });
+            }
+            Order::Halt => {
+                self.ramp.halt();
+                self.ramp.set_goal(Goal::Velocity(0));
+            }
+            Order::Finished { distance } => self.finish_search(distance),
+        }
+    }
+
+    /// The place where the ramp stands is the new zero.
+    fn finish_search(&mut self, distance: Option<i32>) {
+        self.search = None;
+        self.target_position = 0;
+        self.ramp.redefine_position(0);
+        self.ramp.set_goal(Goal::Position(0));
+        if let Some(distance) = distance {
+            self.kept.set(AxisParameter::EndSwitchDistance.index(), distance.saturating_abs());
+        }
+    }
+
+    /// |AP 194| and |AP 195|; where they are 0, AP 4 and a quarter of it, if that is anything at all.
+    pub(super) fn search_pace(&self) -> Pace {
+        let max_velocity_pps = self.kept_value(AxisParameter::MaxVelocity);
+        let speed = |parameter, otherwise| match self.kept_value(parameter) {
+            0 => otherwise,
+            velocity_pps => velocity_pps.saturating_abs(),
+        };
+        let quarter_pps = (max_velocity_pps / 4).max(max_velocity_pps.min(1));
+        Pace {
+            search_pps: speed(AxisParameter::ReferenceSearchVelocity, max_velocity_pps),
+            switch_pps: speed(AxisParameter::ReferenceSwitchVelocity, quarter_pps),
+            soft_stop: self.stops_softly(),
+        }
+    }
+}
