@@ -1,5 +1,6 @@
 //! Fixed-point motion control, as it runs every 50 µs on a microcontroller without floating point.
 //!
+//! - [`i2t`]: the thermal load of a winding, watched over a sliding window.
 //! - [`ramp`]: the trapezoidal ramp generator of positioning and velocity mode.
 //! - [`sine`]: the current vector that points a stepper's field somewhere.
 //!
@@ -9,6 +10,7 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::float_arithmetic)]
 
+pub mod i2t;
 pub mod ramp;
 pub mod sine;
 
