@@ -59,8 +59,14 @@ pub trait Axis: Clone + Default {
 
     /// One control period of 50 µs. Constant work. What happened that the parameters do not show goes to `events`.
     fn tick(&mut self, sensed: &Self::Sensed, events: &mut Events) -> Self::Drive;
-    /// Whether another control period with these sensors would change nothing and command the same.
+    /// Whether another control period with these sensors would change nothing that can be read and command the same, at
+    /// least for [`Axis::quiet_ticks`] of them.
     fn is_idle(&self, sensed: &Self::Sensed) -> bool;
+    /// Control periods with the sensors of the last one until something changes by itself, while [`Axis::is_idle`].
+    fn quiet_ticks(&self) -> u64;
+    /// Lets so many control periods pass, at most [`Axis::quiet_ticks`], while [`Axis::is_idle`]: what counts them ends up as
+    /// if each had been gone through.
+    fn skip(&mut self, ticks: u64);
     /// The value of a parameter.
     fn get(&self, parameter: Self::Parameter) -> i32;
     /// Changes a parameter.

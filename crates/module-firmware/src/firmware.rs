@@ -97,6 +97,7 @@ impl<A: Axis> Firmware<A> {
     /// Lets `ticks` control periods pass in which nothing changes ([`Firmware::is_idle`]).
     pub fn skip(&mut self, ticks: u64) {
         self.ticks = self.ticks.wrapping_add(ticks);
+        self.axis.skip(ticks);
         self.pass_timers();
     }
 

@@ -1,6 +1,7 @@
 //! Fixed-point motion control, as it runs every 50 µs on a microcontroller without floating point.
 //!
 //! - [`homing`]: the reference search, a state machine over switches and positions.
+//! - [`i2t`]: the thermal load of a winding, watched over a sliding window.
 //! - [`ramp`]: the trapezoidal ramp generator of positioning and velocity mode.
 //! - [`sine`]: the current vector that points a stepper's field somewhere.
 //!
@@ -11,6 +12,7 @@
 #![deny(clippy::float_arithmetic)]
 
 pub mod homing;
+pub mod i2t;
 pub mod ramp;
 pub mod sine;
 

@@ -73,11 +73,12 @@ fn parameters() -> impl Iterator<Item = (Place, &'static ParameterSpec)> {
 
 /// What reads otherwise than the table's default, and why.
 const DEFAULT_EXCEPTIONS: &[(Place, &str)] = &[
+    (Place::axis(27), "the coils carried the default current"),
     (Place::axis(150), "the coils carry the default current"),
     (Place::axis(151), "the coils carry the default current"),
     (Place::axis(152), "the coils carry the default current"),
     (Place::axis(154), "the coils draw their current from the supply"),
-    (Place::axis(180), "the table's default is that of the standby current, which comes with a later issue"),
+    (Place::axis(180), "the run current flows until axis parameter 214 has elapsed"),
     (
         Place::axis(208),
         "the driver's: bit 7 rises 65 ms after the last step, and 0 goes with a stallGuard2 reading of 0",

@@ -38,7 +38,7 @@ impl Tmcm1311 {
     fn deviation(&self) -> u32 {
         let full_steps = i64::from(self.kept_value(AxisParameter::MotorFullSteps));
         let resolution = i64::from(self.kept_value(AxisParameter::EncoderResolution));
-        let counter = i64::from(self.sensed.encoder_counts.wrapping_add(self.encoder_offset));
+        let counter = i64::from(self.encoder_counter());
         let Some(measured) = (counter * full_steps * i64::from(MICROSTEPS)).checked_div(resolution) else {
             return 0;
         };

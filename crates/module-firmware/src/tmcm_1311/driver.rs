@@ -53,10 +53,11 @@ impl Tmcm1311 {
         let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
         let flag = |parameter| self.kept_value(parameter) != 0;
         let semin = byte(P::CoolstepHysteresisStart);
-        let off_time = if self.switched_off { 0 } else { byte(P::ChopperOffTime) };
+        let off_time =
+            if self.switched_off || self.standstill.freewheels() { 0 } else { byte(P::ChopperOffTime) };
         let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
         ChipSettings {
-            current_scale: self.run_current(fast) / 8,
+            current_scale: self.motor_current(fast) / 8,
             half_scale: flag(P::Vsense),
             off_time,
             stallguard_threshold: i8::try_from(self.kept_value(P::Stallguard2Threshold)).unwrap_or(0),
@@ -72,15 +73,31 @@ impl Tmcm1311 {
         }
     }
 
+    /// What flows now, scaled like AP 6: AP 7 once the motor has stood for AP 214, AP 200 while the ramp changes its velocity,
+    /// the run current otherwise. AP 6 is the absolute maximum (§6) of all but AP 200.
+    fn motor_current(&self, fast: bool) -> u8 {
+        use AxisParameter as P;
+        let maximum = self.kept_value(P::MaxCurrent);
+        let boost = self.kept_value(P::BoostCurrent);
+        let current = if self.is_powered_down() {
+            self.kept_value(P::StandbyCurrent).min(maximum)
+        } else if boost != 0 && self.ramp.is_changing_speed() {
+            boost
+        } else {
+            self.run_current(fast).min(maximum)
+        };
+        u8::try_from(current).unwrap_or(0)
+    }
+
     /// AP 6; below the coolStep threshold AP 183, once SEMIN, AP 182 and AP 183 are all set.
-    fn run_current(&self, fast: bool) -> u8 {
+    fn run_current(&self, fast: bool) -> i32 {
         use AxisParameter as P;
         let slow_run = self.kept_value(P::CoolstepSlowRunCurrent);
         let applies = self.kept_value(P::CoolstepHysteresisStart) != 0
             && self.kept_value(P::CoolstepThresholdVelocity) != 0
             && slow_run != 0
             && !fast;
-        u8::try_from(if applies { slow_run } else { self.kept_value(P::MaxCurrent) }).unwrap_or(0)
+        if applies { slow_run } else { self.kept_value(P::MaxCurrent) }
     }
 
     /// Stops at once when stallGuard2 reads 0 above the velocity of AP 181; 0 there switches it off. The target becomes

@@ -1,16 +1,20 @@
 //! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
 //!
-//! What stands: open loop, with stop switches, reference search, and stop on stall and on deviation of the encoder. Closed loop
-//! and I²t are still to come; their parameters keep what is written to them (`docs/fidelity.md`).
+//! What stands: open loop with all its currents, stop switches, reference search, stop on stall and on deviation of the encoder,
+//! I²t. Closed loop is still to come; its parameters keep what is written to them (`docs/fidelity.md`).
 
 mod deviation;
 mod driver;
+mod encoder;
+mod i2t;
 mod parameters;
 mod ports;
 mod search;
+mod standstill;
 mod switches;
 
 use motion_control::homing::Search;
+use motion_control::i2t::I2t;
 use motion_control::ramp::{Goal, Limits, Ramp};
 use motion_control::sine;
 pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
@@ -23,6 +27,7 @@ use crate::program_memory::Programs;
 use crate::values::Values;
 
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
+use standstill::Standstill;
 
 /// Microsteps of 1/256 full step in a full step.
 const MICROSTEPS: i32 = 256;
@@ -92,6 +97,8 @@ pub struct Tmcm1311 {
     reversed_switches: bool,
     /// A deviation switched the current off.
     switched_off: bool,
+    standstill: Standstill,
+    i2t: I2t,
     sensed: Sensed,
 }
 
@@ -101,6 +108,7 @@ impl Default for Tmcm1311 {
         for parameter in AxisParameter::ALL {
             kept.set(parameter.index(), parameter.spec().default_bits());
         }
+        let i2t = I2t::new(i2t::window_ticks(&kept));
         Self {
             kept,
             ramp: Ramp::default(),
@@ -113,6 +121,8 @@ impl Default for Tmcm1311 {
             outputs: 0,
             reversed_switches: false,
             switched_off: false,
+            standstill: Standstill::default(),
+            i2t,
             sensed: Sensed::default(),
         }
     }
@@ -131,14 +141,32 @@ impl Axis for Tmcm1311 {
             && self.sensed == *sensed
             && self.ramp.goal() == self.allowed_goal()
             && self.ramp.is_settled(&self.limits())
+            && self.quiet_ticks() > 0
+    }
+
+    fn quiet_ticks(&self) -> u64 {
+        self.quiet_standstill().min(self.quiet_i2t())
+    }
+
+    fn skip(&mut self, ticks: u64) {
+        self.standstill.skip(ticks);
+        self.skip_i2t(ticks);
     }
 
     fn tick(&mut self, sensed: &Sensed, events: &mut Events) -> Drive {
         self.sensed = *sensed;
+        self.watch_i2t();
+        self.clear_encoder_on_null();
         events.stall_stop = self.stop_on_stall();
         events.deviation_stop = self.stop_on_deviation();
+        self.freewheel_in_time();
         self.move_on();
-        self.drive()
+        let rested = self.rested();
+        let drive = self.drive();
+        if rested {
+            self.standstill.skip(1);
+        }
+        drive
     }
 
     fn get(&self, parameter: AxisParameter) -> i32 {
@@ -232,6 +260,7 @@ impl Tmcm1311 {
     fn turn(&mut self, velocity_pps: i32) {
         self.search = None;
         self.forget_deviation();
+        self.end_standstill();
         self.mode = RampMode::Velocity;
         self.target_velocity = velocity_pps;
         self.ramp.set_goal(Goal::Velocity(velocity_pps));
@@ -241,6 +270,7 @@ impl Tmcm1311 {
     fn move_to(&mut self, position: i32) {
         self.search = None;
         self.forget_deviation();
+        self.end_standstill();
         self.mode = RampMode::Position;
         self.target_position = position;
         self.ramp.set_goal(Goal::Position(position));
@@ -253,18 +283,6 @@ impl Tmcm1311 {
             2 => self.encoder_position(),
             _ => self.ramp.position(),
         }
-    }
-
-    /// The encoder counter in microsteps; where the resolutions make no sense, the ramp's position.
-    fn encoder_position(&self) -> i32 {
-        let microsteps = i64::from(self.kept_value(AxisParameter::MotorFullSteps)) * i64::from(MICROSTEPS)
-            / i64::from(self.microstep_size());
-        let counter = i64::from(self.sensed.encoder_counts.wrapping_add(self.encoder_offset));
-        let resolution = i64::from(self.kept_value(AxisParameter::EncoderResolution));
-        (counter * microsteps)
-            .checked_div(resolution)
-            .and_then(|position| i32::try_from(position).ok())
-            .unwrap_or_else(|| self.ramp.position())
     }
 
     /// A control period of the ramp, and of what drives it.

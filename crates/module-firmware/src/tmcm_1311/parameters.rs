@@ -2,11 +2,9 @@
 
 use motion_control::ramp::Goal;
 
-use super::{AxisParameter, RampMode, Tmcm1311};
+use super::encoder::CLEAR_ON_NEXT_NULL;
+use super::{AxisParameter, RampMode, Tmcm1311, i2t};
 use crate::axis::{Axis, Refused};
-
-/// Bit 2 of the encoder mode, which AP 198 mirrors.
-const CLEAR_ON_NEXT_NULL: i32 = 4;
 
 /// Full-scale RMS current of the power stage.
 const FULL_SCALE_MA: i32 = 3000;
@@ -39,7 +37,8 @@ impl Tmcm1311 {
             P::LoadValue => i32::from(self.sensed.driver.stallguard),
             P::ClearOnNull => i32::from(self.kept_value(P::EncoderMode) & CLEAR_ON_NEXT_NULL != 0),
             P::DriverErrorFlags => i32::from(self.sensed.driver.flags),
-            P::EncoderCounter => self.sensed.encoder_counts.wrapping_add(self.encoder_offset),
+            P::EncoderCounter => self.encoder_counter(),
+            P::I2tSum => self.i2t_sum(),
             P::HomeSwitch => i32::from(self.is_home_switch_active()),
             P::RightLimitSwitch => i32::from(self.is_right_switch_active()),
             P::LeftLimitSwitch => i32::from(self.is_left_switch_active()),
@@ -56,7 +55,6 @@ impl Tmcm1311 {
             | P::TorqueCurrentSlope
             | P::ThermalWindingTimeConstant
             | P::I2tLimit
-            | P::I2tSum
             | P::I2tExceedCounter
             | P::ClearI2tFlag
             | P::FieldWeakeningMinVelocity
@@ -141,7 +139,12 @@ impl Tmcm1311 {
             P::TorqueTargetCurrent => return Err(Refused::NotAvailable),
             // Measured, although the manual's table says RW: a write is accepted and changes nothing.
             P::ActualVelocity | P::CoolstepActualCurrent => {}
-            P::EncoderCounter => self.encoder_offset = value.wrapping_sub(self.sensed.encoder_counts),
+            P::EncoderCounter => self.set_encoder_counter(value),
+            P::ThermalWindingTimeConstant => {
+                self.kept.set(parameter.index(), value);
+                self.i2t.set_window(i2t::window_ticks(&self.kept));
+            }
+            P::ClearI2tFlag => self.i2t.clear_flag(),
             P::ClearOnNull => {
                 let others = self.kept_value(P::EncoderMode) & !CLEAR_ON_NEXT_NULL;
                 self.kept.set(P::EncoderMode.index(), others | (value * CLEAR_ON_NEXT_NULL));
@@ -206,6 +209,7 @@ impl Tmcm1311 {
             (9, self.sensed.supply_voltage_dv < UNDERVOLTAGE_DV),
             (10, self.sensed.supply_voltage_dv > OVERVOLTAGE_DV),
             (11, self.sensed.temperature_c >= OVERTEMPERATURE_C),
+            (13, self.i2t.is_flagged()),
         ];
         bits.into_iter().fold(0, |word, (bit, set)| word | (i32::from(set) << bit))
     }

@@ -12,6 +12,7 @@ impl Tmcm1311 {
         let number = self.kept_value(AxisParameter::ReferenceSearchMode);
         let mode = Mode::from_number(number).ok_or(Refused::InvalidValue)?;
         self.forget_deviation();
+        self.end_standstill();
         self.mode = RampMode::Position;
         self.search = Some(Search::new(mode));
         Ok(())

@@ -40,11 +40,20 @@ pub struct Ramp {
     velocity: Speed,
     /// Whether it moves, and slowed down in the last tick.
     braking: bool,
+    /// Whether the velocity changed in the last tick.
+    changing: bool,
 }
 
 impl Default for Ramp {
     fn default() -> Self {
-        Self { goal: Goal::Position(0), position: 0, fraction: 0, velocity: 0, braking: false }
+        Self {
+            goal: Goal::Position(0),
+            position: 0,
+            fraction: 0,
+            velocity: 0,
+            braking: false,
+            changing: false,
+        }
     }
 }
 
@@ -55,6 +64,7 @@ impl Ramp {
         self.fraction = 0;
         self.velocity = 0;
         self.braking = false;
+        self.changing = false;
     }
 
     /// What it is driving at.
@@ -101,6 +111,12 @@ impl Ramp {
         self.braking
     }
 
+    /// Whether it speeded up or slowed down in the last tick.
+    #[must_use]
+    pub fn is_changing_speed(&self) -> bool {
+        self.changing
+    }
+
     /// Whether it stands exactly on its target position.
     #[must_use]
     pub fn is_on_target(&self) -> bool {
@@ -110,10 +126,11 @@ impl Ramp {
     /// Whether another tick would change nothing.
     #[must_use]
     pub fn is_settled(&self, limits: &Limits) -> bool {
-        match self.goal {
+        let stays = match self.goal {
             Goal::Position(_) => self.is_on_target() || (self.is_standing() && limits.max_velocity_pps == 0),
             Goal::Velocity(_) => self.is_standing() && self.commanded_speed(limits) == 0,
-        }
+        };
+        stays && !self.changing
     }
 
     /// One control period: changes the velocity within the limits and moves by the mean of the old and the new one.
@@ -128,6 +145,7 @@ impl Ramp {
             }
             Goal::Position(target) => self.approach(target, limits),
         }
+        self.changing = self.velocity != before;
         self.braking = self.velocity != 0 && self.velocity.abs() < before.abs();
     }
 

@@ -261,7 +261,9 @@ proptest! {
         }
         prop_assert!(overshoots <= allowed, "overshot {overshoots} times, {allowed} allowed");
         prop_assert_eq!(ramp.position(), last);
-        // And there it stays.
+        // And there it stays, once the last change of speed is behind it.
+        ramp.tick(&limits);
+        prop_assert!(ramp.is_on_target() && ramp.is_settled(&limits));
         let settled = ramp.clone();
         ramp.tick(&limits);
         prop_assert_eq!(&ramp, &settled);
