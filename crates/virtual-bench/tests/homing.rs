@@ -112,6 +112,19 @@ fn every_mode_finds_its_zero_from_everywhere() {
         }
     }
 }
+/// Where it stops to turn round, a search is not at rest: neither delay runs, and the coils keep their current.
+#[test]
+fn a_search_is_no_standstill() {
+    let mut module = at(0.0, 3.0);
+    module.sap(Ap::PowerDownDelay, 1);
+    module.sap(Ap::StandbyCurrent, 0);
+    module.sap(Ap::FreewheelingDelay, 20);
+    search(&mut module, 1);
+    assert_found(&mut module, 1, "with short delays");
+    let physical = module.physical();
+    assert_eq!([physical.coil_a_a, physical.coil_b_a], [0.0; 2], "afterwards they run");
+}
+
 /// As bench files have stop switches unless they say otherwise: pressed from an edge on; and nothing set but the mode.
 #[test]
 fn a_switch_without_a_far_edge_has_an_edge_to_find() {
