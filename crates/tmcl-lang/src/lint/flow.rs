@@ -41,6 +41,8 @@ pub(super) struct Graph<'p> {
     pub(super) instructions: &'p [Instruction],
     /// The module.
     pub(super) module: &'static ModuleSpec,
+    /// The command of each, where the module executes it in programs.
+    commands: Vec<Option<Command>>,
     /// What each does.
     pub(super) steps: Vec<Step>,
     /// Where a host begins: address 0, and each JA of a jump table at the top (TMCM-1311 §11.6).
@@ -61,6 +63,7 @@ impl<'p> Graph<'p> {
             entries: entries(instructions, module),
             routines: routines(instructions, module),
             appended_stop: program.appended_stop.then(|| instructions.len().checked_sub(1)).flatten(),
+            commands: instructions.iter().map(|it| command(*it, module)).collect(),
             instructions,
             module,
             steps,
@@ -79,8 +82,8 @@ impl<'p> Graph<'p> {
 
     /// Every instruction with its address and command, those left out that the module would skip.
     pub(super) fn commands(&self) -> impl Iterator<Item = (usize, Command, Instruction)> + '_ {
-        let known = |(address, it): (usize, &Instruction)| Some((address, command(*it, self.module)?, *it));
-        self.instructions.iter().enumerate().filter_map(known)
+        let with_commands = self.instructions.iter().zip(&self.commands).enumerate();
+        with_commands.filter_map(|(address, (it, command))| Some((address, (*command)?, *it)))
     }
 
     /// Whether an instruction belongs to the jump table at the top, whose labels are for a host.

@@ -47,18 +47,18 @@ pub fn lint(program: &Program, sources: &Sources) -> Vec<Diagnostic> {
     let ignored = calls.ignorable(&graph);
     let goes_astray = meant.goes_astray(&graph) || ignored.contains(&true);
     // Where every call returns as it should, the module does what is meant.
-    let (actual, any) = if goes_astray {
-        (Forward::new(&graph, Rules::Actual { ignored: &ignored }), Forward::new(&graph, Rules::Anything))
-    } else {
-        (meant.clone(), meant.clone())
-    };
+    let astray = goes_astray.then(|| {
+        let actual = Forward::new(&graph, Rules::Actual { ignored: &ignored });
+        (actual, Forward::new(&graph, Rules::Anything))
+    });
+    let (actual, any) = astray.as_ref().map_or((&meant, &meant), |(actual, any)| (actual, any));
 
     let mut found = Findings::default();
-    unreachable::report_unreached(&graph, &places, &any, &mut found);
-    unreachable::report_runs_off(&graph, &places, &actual, &mut found);
+    unreachable::report_unreached(&graph, &places, any, &mut found);
+    unreachable::report_runs_off(&graph, &places, actual, &mut found);
     returns::report(&graph, &places, &meant, &mut found);
     nesting::report(&graph, &places, &calls, &mut found);
-    interrupts::report(&graph, &places, &meant, &actual, &mut found);
+    interrupts::report(&graph, &places, &meant, actual, &mut found);
     instructions::report(&graph, &places, &mut found);
     arithmetic::report(&graph, &places, &mut found);
     names::report_labels(&graph, program, sources, &mut found);

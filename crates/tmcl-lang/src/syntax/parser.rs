@@ -23,7 +23,8 @@ pub struct Parse {
 pub fn parse(file: FileId, bytes: &[u8]) -> Parse {
     let tokens = lex(bytes);
     let mut diagnostics = Vec::new();
-    let mut lines = Vec::new();
+    let newlines = tokens.iter().filter(|token| token.kind == TokenKind::Newline).count();
+    let mut lines = Vec::with_capacity(newlines + 1);
     let mut start = 0;
     for line in tokens.split_inclusive(|token| token.kind == TokenKind::Newline) {
         let parser =
