@@ -378,3 +378,28 @@ fn a_dead_home_switch_does_not_make_it_run_away() {
         assert_found(&mut module, mode, "repaired");
     }
 }
+
+/// A cut wire is a switch that is pressed wherever the axis is. A search that would run into the other stop switch for that
+/// gives up before the hard stop; looking for the home switch regardless of the stop switches is another matter.
+#[test]
+fn a_cut_wire_does_not_drive_the_axis_into_its_end() {
+    for (mode, wire) in [(1, "switch_left"), (4, "switch_left"), (5, "switch_home"), (6, "switch_home")] {
+        let mut module = at(0.0, 0.0);
+        module.set(&format!("fault.{wire}"), "open");
+        search(&mut module, mode);
+        module.run_ms(300);
+        let beyond = module.turns() - RIGHT;
+        let before = module.turns() - LEFT.0;
+        assert!(beyond < 0.01 && before > -0.01, "mode {mode}: {} turns", module.turns());
+        assert_eq!(module.gap(Ap::ActualVelocity), 0);
+    }
+}
+
+/// AP 18 shows the switches too.
+#[test]
+fn the_status_word_has_a_bit_for_each_switch() {
+    for (turns, bit) in [(-0.52, 7), (0.12, 6), (0.52, 8)] {
+        let mut module = at(turns, 0.0);
+        assert_eq!((module.gap(Ap::StatusWord) >> 6) & 7, 1 << (bit - 6), "{turns} turns");
+    }
+}

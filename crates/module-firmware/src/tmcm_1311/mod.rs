@@ -160,8 +160,9 @@ impl Axis for Tmcm1311 {
         events.stall_stop = self.stop_on_stall();
         events.deviation_stop = self.stop_on_deviation();
         self.freewheel_in_time();
+        let before = self.ramp.position();
         self.move_on();
-        let rested = self.rested();
+        let rested = self.rested(self.ramp.position() != before);
         let drive = self.drive();
         if rested {
             self.standstill.skip(1);
@@ -207,7 +208,10 @@ impl Axis for Tmcm1311 {
 
     /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8). A search that runs has none yet.
     fn is_position_reached(&self) -> bool {
-        self.search.is_none() && self.ramp.is_standing() && self.ramp.position() == self.target_position
+        // A motor that a stop switch keeps from turning has reached nothing, even on the last target.
+        let wants_to_turn = self.mode == RampMode::Velocity && self.target_velocity != 0;
+        let stands = self.ramp.is_standing() && self.ramp.position() == self.target_position;
+        stands && !wants_to_turn && self.search.is_none()
     }
 
     fn has_happened(&self, event: WaitEvent) -> bool {

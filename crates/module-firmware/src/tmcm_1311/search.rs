@@ -40,6 +40,12 @@ impl Tmcm1311 {
                 self.ramp.halt();
                 self.ramp.set_goal(Goal::Velocity(0));
             }
+            Order::Blocked => {
+                self.turn(0);
+                if !self.stops_softly() {
+                    self.ramp.halt();
+                }
+            }
             Order::Finished { distance } => self.finish_search(distance),
         }
     }

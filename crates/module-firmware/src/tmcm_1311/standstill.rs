@@ -32,11 +32,12 @@ impl Tmcm1311 {
             self.freewheeling_delay().is_some_and(|delay| self.standstill.ticks >= delay);
     }
 
-    /// After the ramp moved in a control period: whether the motor was at rest throughout. Where it was not, both delays begin
+    /// After the ramp had its control period, and moved or not: whether the motor was at rest throughout. Where it was not, both delays begin
     /// anew; it may have started without a motion command, where a target stood and AP 4 was 0.
-    pub(super) fn rested(&mut self) -> bool {
+    pub(super) fn rested(&mut self, moved: bool) -> bool {
         // A search turns round and goes on.
-        let rested = self.search.is_none() && self.ramp.is_standing() && !self.ramp.is_changing_speed();
+        let stands = !moved && self.ramp.is_standing() && !self.ramp.is_changing_speed();
+        let rested = stands && self.search.is_none();
         if !rested {
             self.standstill = Standstill::default();
         }

@@ -47,6 +47,8 @@ pub enum Order {
     },
     /// Stop at once.
     Halt,
+    /// Nothing more: a stop switch lies in the way that should not be there, such as one whose wire is cut.
+    Blocked,
     /// Nothing more: the ramp stands on the new zero.
     Finished {
         /// How far the right stop switch lies from the new zero, where the search measured both.

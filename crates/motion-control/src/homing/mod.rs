@@ -143,7 +143,25 @@ impl Search {
             }
             Phase::Return { .. } => {}
         }
-        self.order(seen, pace)
+        let order = self.order(seen, pace);
+        if self.is_blocked(order, seen) { Order::Blocked } else { order }
+    }
+
+    /// Whether the order leads into a stop switch that this leg neither looks for nor turns round at. Whoever looks for the
+    /// home switch regardless of the stop switches is never blocked.
+    fn is_blocked(&self, order: Order, seen: &Seen) -> bool {
+        let regardless = self.leg.switch == Switch::Home && !self.leg.turns_round;
+        let turns_round = self.leg.turns_round && matches!(self.phase, Phase::Seek | Phase::Enter);
+        let Order::Drive { goal, .. } = order else { return false };
+        let ahead = match goal {
+            Goal::Velocity(velocity_pps) => velocity_pps,
+            Goal::Position(position) => position.wrapping_sub(seen.position),
+        };
+        let runs_into = |switch, active, sign| active && self.leg.switch != switch && ahead.signum() == sign;
+        !regardless
+            && !turns_round
+            && (runs_into(Switch::Left, seen.switches.left, -1)
+                || runs_into(Switch::Right, seen.switches.right, 1))
     }
 
     fn is_active(&self, switches: Switches) -> bool {

@@ -83,6 +83,7 @@ fn search(number: i32, start: i32, travel: &Travel, pace: &Pace) -> Option<Found
                 });
             }
             Order::Halt => ramp.halt(),
+            Order::Blocked => return None,
             Order::Finished { distance } => {
                 return Some(Found { zero: ramp.position(), distance, lowest, highest });
             }
