@@ -21,7 +21,8 @@ const STEPS: &[Step] = &[
     ("documentation", documentation),
     ("release build", || cargo(&["build", "--release"])),
     ("whole-system tests", || {
-        cargo(&["test", "--release", "--package", "motion-control", "--package", "virtual-bench"])
+        let packages = ["--package", "motion-control", "--package", "virtual-bench"];
+        cargo(&[&["test", "--profile", "system-tests"][..], &packages].concat())
     }),
     ("real clients", real_clients),
     ("fuzz", fuzz),
