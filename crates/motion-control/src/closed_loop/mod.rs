@@ -5,14 +5,20 @@
 //!
 //! - [`scale`]: encoder counts as µsteps, without drift.
 //! - [`alignment`]: which count means which electrical angle.
+//! - [`current_scale`]: as large a current as the position error needs.
 //! - [`detection`]: how many counts the encoder has in a turn.
 //! - [`leads`]: the torque block: how far ramp and field are ahead of the rotor.
+//! - [`tachometer`]: how fast the rotor turns.
+//! - [`torque_ramp`]: a current that rises and falls by a slope.
 //! - [`weakening`]: how much further than 90° the field may be ahead at high speed.
 //!
 //! This module must never know parameter numbers, nor what the positions are called outside.
 
 pub mod alignment;
+pub mod current_scale;
 pub mod detection;
 pub mod leads;
 pub mod scale;
+pub mod tachometer;
+pub mod torque_ramp;
 pub mod weakening;
