@@ -11,6 +11,7 @@ enum Step {
     Write(Ap, i32),
     Motion(Motion),
     Encoder(i32),
+    Enable(bool),
     /// A whole initialisation, with an encoder that follows the field.
     CloseLoop,
     Ticks(u32),
@@ -43,6 +44,7 @@ fn write_current() -> impl Strategy<Value = Step> {
         (0..=60).prop_map(|value| Step::Write(Ap::FreewheelingDelay, value)),
         (0..=100_000).prop_map(|value| Step::Write(Ap::MaxVelocity, value)),
         (-500..=500).prop_map(|value| Step::Write(Ap::MaxEncoderDeviation, value)),
+        (0..=5).prop_map(|mode| Step::Write(Ap::StepDirMode, mode)),
     ]
 }
 
@@ -68,6 +70,7 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (-20_000..20_000).prop_map(|offset| Step::Motion(Motion::MoveBy(offset))),
         1 => Just(Step::Motion(Motion::Stop)),
         1 => (-1000..1000).prop_map(Step::Encoder),
+        1 => any::<bool>().prop_map(Step::Enable),
         6 => (1_u32..3000).prop_map(Step::Ticks),
     ]
 }
@@ -92,28 +95,37 @@ impl Driven {
         self.axis.get(Ap::ClosedLoopMode) == 0 && self.axis.get(Ap::EncoderInitialization) != 1
     }
 
+    fn follows_pulses(&self) -> bool {
+        self.axis.get(Ap::StepDirMode) != 0
+    }
+
     fn take(&mut self, step: &Step) {
         match *step {
             // What is refused has changed nothing.
             Step::Write(parameter, value) => {
-                let moves = matches!(
-                    parameter,
+                let moves = match parameter {
                     Ap::TargetPosition
-                        | Ap::TargetVelocity
-                        | Ap::RampMode
-                        | Ap::ClosedLoopMode
-                        | Ap::EncoderInitialization
-                );
+                    | Ap::TargetVelocity
+                    | Ap::RampMode
+                    | Ap::ClosedLoopMode
+                    | Ap::EncoderInitialization => true,
+                    Ap::StepDirMode => value != 0 || self.follows_pulses(),
+                    _ => false,
+                };
                 if self.axis.set(parameter, value).is_ok() && moves {
                     (self.rested, self.cut) = (0, false);
                 }
             }
             Step::Motion(motion) => {
-                if self.axis.motion(motion).is_ok() {
+                let obeyed = self.axis.motion(motion).is_ok();
+                assert!(!obeyed || !self.follows_pulses() || motion == Motion::Stop, "{motion:?}");
+                // In step/direction mode a stop gives the motor no current back.
+                if obeyed && !self.follows_pulses() {
                     (self.rested, self.cut) = (0, false);
                 }
             }
             Step::Encoder(counts) => self.sensed.encoder_counts = counts,
+            Step::Enable(enabled) => self.sensed.enabled = enabled,
             Step::Ticks(ticks) => (0..ticks).for_each(|_| self.tick()),
             Step::CloseLoop => self.close_loop(),
         }
@@ -138,12 +150,14 @@ impl Driven {
         assert!(i32::from(drive.chip.current_scale) <= get(Ap::MaxCurrent).max(boost) / 8, "{drive:?}");
         let [a, b] = drive.coils.map(i32::from);
         assert!(a * a + b * b <= 249 * 249, "{drive:?}");
-        if get(Ap::ChopperOffTime) == 0 {
+        let disabled = matches!(get(Ap::StepDirMode), 4 | 5) && !self.sensed.enabled;
+        if get(Ap::ChopperOffTime) == 0 || disabled {
             assert_eq!(drive.chip.off_time, 0);
         }
         if stood && self.axis.is_position_reached() && self.is_open_loop() {
             let delay = get(Ap::FreewheelingDelay).unsigned_abs() * 20;
-            self.cut |= delay != 0 && self.rested >= delay;
+            let by_rest = matches!(get(Ap::StepDirMode), 0 | 2 | 4);
+            self.cut |= delay != 0 && self.rested >= delay && by_rest;
             self.rested += 1;
         } else {
             (self.rested, self.cut) = (0, false);

@@ -292,6 +292,7 @@ impl Bench {
             Quantity::Coordinate(number) => f64::from(module.coordinate(number)),
             Quantity::Port(bank, number) => f64::from(module.port(bank, number)),
             Quantity::EncoderCounts => f64::from(module.encoder_counts()),
+            Quantity::StepPulses => module.step_pulses() as f64,
             Quantity::Physical(index) => module.physical().values().get(index).copied().unwrap_or(0.0),
         }
     }

@@ -40,6 +40,8 @@ pub(crate) trait VirtualModule {
     fn port(&self, bank: u8, number: u8) -> i32;
     /// The raw count of the encoder.
     fn encoder_counts(&self) -> i32;
+    /// Pulses at the step/direction connector, those to the right less those to the left.
+    fn step_pulses(&self) -> i64;
     /// The truth about the shaft.
     fn physical(&self) -> Physical;
     /// The EEPROM.
@@ -56,6 +58,8 @@ pub(crate) trait Surroundings {
     fn apply(&mut self, setting: Setting);
     /// The raw count of the encoder.
     fn encoder_counts(&self) -> i32;
+    /// Pulses at the step/direction connector, those to the right less those to the left.
+    fn step_pulses(&self) -> i64;
 }
 
 /// A module on the bench.
@@ -217,6 +221,10 @@ where
 
     fn encoder_counts(&self) -> i32 {
         self.hardware.encoder_counts()
+    }
+
+    fn step_pulses(&self) -> i64 {
+        self.hardware.step_pulses()
     }
 
     fn physical(&self) -> Physical {

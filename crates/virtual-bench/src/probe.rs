@@ -1,5 +1,5 @@
 //! Names for everything one can look at on a bench: `actual_position`, `tick_timer`, `variable.7`, `output.3`,
-//! `sensed.encoder_counts`, `physical.rotor_turns`; with several modules prefixed by the module's name,
+//! `sensed.encoder_counts`, `sensed.step_pulses`, `physical.rotor_turns`; with several modules prefixed by the module's name,
 //! `m1.actual_position`.
 
 use tmcl_tables::{GlobalParameter, GlobalSpec, ModuleSpec};
@@ -31,6 +31,8 @@ pub enum Quantity {
     Port(u8, u8),
     /// The raw count of the encoder.
     EncoderCounts,
+    /// Pulses at the step/direction connector since the bench was switched on: those to the right less those to the left.
+    StepPulses,
     /// An entry of [`Physical`].
     Physical(usize),
 }
@@ -60,6 +62,10 @@ pub enum ProbeError {
 
 /// The bank of the user variables (TMCM-1311 §10.3).
 const VARIABLES: u8 = 2;
+
+/// What the sensors count.
+const SENSED: [(&str, Quantity); 2] =
+    [("sensed.encoder_counts", Quantity::EncoderCounts), ("sensed.step_pulses", Quantity::StepPulses)];
 
 /// The names of ports but for their number, and their banks.
 const PORTS: [(&str, u8); 3] = [("input.", 0), ("ain.", 1), ("output.", 2)];
@@ -95,8 +101,8 @@ fn quantity(name: &str, spec: &'static ModuleSpec) -> Option<Quantity> {
     if let Some(physical) = name.strip_prefix("physical.") {
         return Physical::NAMES.iter().position(|(known, _)| *known == physical).map(Quantity::Physical);
     }
-    if name == "sensed.encoder_counts" {
-        return Some(Quantity::EncoderCounts);
+    if let Some((_, sensed)) = SENSED.into_iter().find(|(known, _)| *known == name) {
+        return Some(sensed);
     }
     if let Some(number) = name.strip_prefix("variable.") {
         let number = number.parse().ok()?;
@@ -136,7 +142,7 @@ fn no_quantity(name: &str, spec: &'static ModuleSpec) -> ProbeError {
     let help = numbered(name, spec).unwrap_or_else(|| {
         let physical = Physical::NAMES.map(|(name, _)| format!("physical.{name}"));
         let ids = parameters().filter(|parameter| parameter.access.read).map(|parameter| parameter.id);
-        let others = physical.iter().map(String::as_str).chain(["sensed.encoder_counts"]);
+        let others = physical.iter().map(String::as_str).chain(SENSED.map(|(name, _)| name));
         let choices: Vec<_> = ids.chain(others).collect();
         suggest::nearest(name, &choices).map_or_else(all_kinds, |choice| format!("did you mean `{choice}`?"))
     });
@@ -163,7 +169,7 @@ fn all_kinds() -> String {
     let physical = Physical::NAMES.map(|(name, _)| name).join(", ");
     format!(
         "there are axis and global parameters such as `actual_position` and `tick_timer`, `variable.N`, `coordinate.N`, \
-         `input.N`, `output.N`, `ain.N`, `sensed.encoder_counts`, and physical.{{{physical}}}"
+         `input.N`, `output.N`, `ain.N`, `sensed.encoder_counts`, `sensed.step_pulses`, and physical.{{{physical}}}"
     )
 }
 
@@ -177,6 +183,7 @@ pub(crate) fn unit(quantity: Quantity, spec: &ModuleSpec) -> &'static str {
         Quantity::Coordinate(_) => "",
         Quantity::Port(bank, number) => spec.port(bank, number).map_or("", |port| port.unit),
         Quantity::EncoderCounts => "count",
+        Quantity::StepPulses => "pulse",
         Quantity::Physical(index) => Physical::NAMES.get(index).map_or("", |(_, unit)| unit),
     }
 }
@@ -198,6 +205,8 @@ mod tests {
         assert_eq!(parse("lift.physical.rotor_turns", &two), Ok(turns));
         let output = Probe { module: ModuleId(0), quantity: Quantity::Port(2, 3) };
         assert_eq!(parse("m1.output.3", &two), Ok(output));
+        let pulses = Probe { module: ModuleId(1), quantity: Quantity::StepPulses };
+        assert_eq!(parse("lift.sensed.step_pulses", &two), Ok(pulses));
     }
 
     #[test]
@@ -239,6 +248,10 @@ mod tests {
         assert_eq!(
             says("coordinate.21"),
             "nothing called `coordinate.21`; there are `coordinate.0` to `coordinate.20`"
+        );
+        assert_eq!(
+            says("sensed.step_pulse"),
+            "nothing called `sensed.step_pulse`; did you mean `sensed.step_pulses`?"
         );
         assert!(says("variable.256").ends_with("there are `variable.0` to `variable.255`"));
         assert!(says("output.8").ends_with("`output.6`, `output.7`"));

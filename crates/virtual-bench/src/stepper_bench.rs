@@ -5,6 +5,7 @@
 //! temperatures follow.
 
 mod build;
+mod pulse_source;
 mod settings;
 
 use core::f64::consts::TAU;
@@ -18,6 +19,8 @@ use motor_physics::load::LoadTorque;
 use motor_physics::stepper::Stepper;
 use motor_physics::supply::Supply;
 use motor_physics::switch::LimitSwitch;
+
+use pulse_source::PulseSource;
 
 use crate::TICK_NS;
 use crate::config::Coil;
@@ -45,6 +48,7 @@ pub(crate) struct StepperBench {
     encoder_has_index: bool,
     /// Left, right, home; where there are any.
     switches: [Option<LimitSwitch>; 3],
+    pulses: PulseSource,
     supply: Supply,
     winding: HeatedBody,
     board: HeatedBody,
@@ -66,6 +70,8 @@ struct SurroundingsState {
     board_temperature_c: Option<f64>,
     open_coil: Option<Coil>,
     shorted_coil: Option<Coil>,
+    /// ENABLE of the step/direction connector.
+    enabled: bool,
     /// IN_0 to IN_7.
     inputs: u8,
     /// AIN_0 and AIN_4.
@@ -90,12 +96,15 @@ impl Hardware for StepperBench {
         self.coils = drive.coils;
         self.time_ns = until_ns;
         self.warm();
+        self.pulses.advance();
         self.sense();
-        moved || before != (self.chip, self.supply, self.sensed)
+        // Pulses are events: the next period has others, even if as many.
+        moved || self.sensed.steps != 0 || before != (self.chip, self.supply, self.sensed)
     }
 
     fn rest(&mut self, periods: u64, until_ns: u64) {
         self.motor.rest(periods);
+        self.pulses.rest(periods);
         self.time_ns = until_ns;
     }
 
@@ -105,7 +114,8 @@ impl Hardware for StepperBench {
         if unsettled || self.load.changes_with_time() {
             return self.time_ns + TICK_NS;
         }
-        (self.time_ns / HEAT_NS + 1) * HEAT_NS
+        let pulse_ns = self.pulses.periods_to_pulse().saturating_mul(TICK_NS).saturating_add(self.time_ns);
+        pulse_ns.min((self.time_ns / HEAT_NS + 1) * HEAT_NS)
     }
 
     fn physical(&self) -> Physical {
@@ -213,6 +223,8 @@ impl StepperBench {
             inputs,
             left_switch_open: left_open,
             right_switch_open: right_open,
+            steps: self.pulses.steps(),
+            enabled: self.surroundings.enabled,
             analog_inputs: self.surroundings.analog_inputs,
             coil_currents_ma: self.motor.currents_a.map(|current_a| rounded(current_a * 1000.0)),
             supply_voltage_dv: rounded(self.supply.bus_voltage_v() * 10.0).max(0).cast_unsigned(),

@@ -61,7 +61,7 @@ fn all_names(spec: &ModuleSpec) -> Vec<String> {
     let mut names: Vec<String> = parameters.map(|parameter| parameter.id.to_owned()).collect();
     names.extend((0..8).flat_map(|number| [format!("input.{number}"), format!("output.{number}")]));
     names.extend(Physical::NAMES.iter().map(|(name, _)| format!("physical.{name}")));
-    names.push("sensed.encoder_counts".to_owned());
+    names.extend(["sensed.encoder_counts", "sensed.step_pulses"].map(str::to_owned));
     names
 }
 

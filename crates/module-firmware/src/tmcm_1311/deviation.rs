@@ -31,6 +31,7 @@ impl Tmcm1311 {
     /// Stands still, where it is, whatever it was about to do.
     pub(super) fn stop_at_once(&mut self) {
         self.search = None;
+        self.step_dir.stop();
         self.ramp.halt();
         self.stay_with_rotor();
         self.target_position = self.actual_position();

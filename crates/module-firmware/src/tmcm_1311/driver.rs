@@ -54,8 +54,11 @@ impl Tmcm1311 {
         let flag = |parameter| self.kept_value(parameter) != 0;
         let semin = byte(P::CoolstepHysteresisStart);
         let open_loop = self.is_open_loop();
-        let off_time =
-            if self.switched_off || self.standstill.freewheels() { 0 } else { byte(P::ChopperOffTime) };
+        let off_time = if self.switched_off || self.standstill.freewheels() || self.is_disabled() {
+            0
+        } else {
+            byte(P::ChopperOffTime)
+        };
         let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
         ChipSettings {
             current_scale: self.motor_current(fast) / 8,
@@ -118,6 +121,6 @@ impl Tmcm1311 {
     }
 
     fn speed_pps(&self) -> i32 {
-        self.ramp.velocity_pps().saturating_abs()
+        self.actual_velocity_pps().saturating_abs()
     }
 }

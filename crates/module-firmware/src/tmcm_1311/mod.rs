@@ -1,7 +1,7 @@
 //! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
 //!
-//! In open loop the field goes where the ramp generator says; in closed loop ([`closed_loop`]) it follows the rotor. Currents,
-//! stop switches, reference search, I²t and the stop on deviation serve both.
+//! In open loop the field goes where the ramp generator says, or pulses from outside ([`step_dir`]); in closed loop
+//! ([`closed_loop`]) it follows the rotor. Currents, stop switches, reference search, I²t and the stop on deviation serve both.
 
 mod closed_loop;
 mod deviation;
@@ -10,8 +10,10 @@ mod encoder;
 mod i2t;
 mod parameters;
 mod ports;
+mod pulse_meter;
 mod search;
 mod standstill;
+mod step_dir;
 mod switches;
 
 use motion_control::closed_loop::tachometer::Tachometer;
@@ -30,6 +32,7 @@ use crate::values::Values;
 use closed_loop::Operation;
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
 use standstill::Standstill;
+use step_dir::StepDir;
 
 /// Microsteps of 1/256 full step in a full step.
 const MICROSTEPS: i32 = 256;
@@ -45,6 +48,10 @@ pub struct Sensed {
     pub left_switch_open: bool,
     /// Whether the contact of the right stop switch is open.
     pub right_switch_open: bool,
+    /// Pulses on STEP since the last control period, signed by DIR: positive is to the right and increases the position.
+    pub steps: i32,
+    /// Whether the ENABLE input of the step/direction connector is active; it is not while nothing is connected (decision).
+    pub enabled: bool,
     /// IN_1 to IN_3 and IN_5 to IN_7 as bits 1 to 3 and 5 to 7; 1 = high.
     pub inputs: u8,
     /// AIN_0 and AIN_4: 0 to 4095 for 0 to 10 V.
@@ -110,6 +117,7 @@ pub struct Tmcm1311 {
     /// A deviation switched the current off.
     switched_off: bool,
     standstill: Standstill,
+    step_dir: StepDir,
     i2t: I2t,
     sensed: Sensed,
 }
@@ -139,6 +147,7 @@ impl Default for Tmcm1311 {
             reversed_switches: false,
             switched_off: false,
             standstill: Standstill::default(),
+            step_dir: StepDir::default(),
             i2t,
             sensed: Sensed::default(),
         }
@@ -158,6 +167,7 @@ impl Axis for Tmcm1311 {
             && self.sensed == *sensed
             && self.tachometer.is_at_rest()
             && self.is_settled()
+            && self.pulses_rest()
             && self.quiet_ticks() > 0
     }
 
@@ -219,6 +229,9 @@ impl Axis for Tmcm1311 {
             Motion::Stop => self.abort_operation(),
             _ => self.require_obedience()?,
         }
+        if self.in_step_dir_mode() {
+            return self.motion_among_pulses(motion);
+        }
         match motion {
             Motion::Rotate(velocity_pps) => self.turn(velocity_pps),
             Motion::Stop => self.turn(0),
@@ -231,6 +244,7 @@ impl Axis for Tmcm1311 {
     fn start_search(&mut self) -> Result<(), Refused> {
         self.settled = false;
         self.require_obedience()?;
+        self.need_ramp()?;
         self.begin_search()
     }
 
@@ -260,7 +274,8 @@ impl Axis for Tmcm1311 {
         // A motor that a stop switch keeps from turning has reached nothing, even on the last target.
         let wants_to_turn = self.mode == RampMode::Velocity && self.target_velocity != 0;
         let stands = self.ramp.is_standing() && self.ramp.position() == self.target_position;
-        stands && !wants_to_turn && self.search.is_none() && self.is_open_loop()
+        let idle = self.search.is_none() && self.is_open_loop() && !self.is_pulsed();
+        stands && !wants_to_turn && idle
     }
 
     fn has_happened(&self, event: WaitEvent) -> bool {
@@ -348,7 +363,11 @@ impl Tmcm1311 {
     fn tick_open_loop(&mut self) -> Drive {
         self.freewheel_in_time();
         let before = self.ramp.position();
-        self.drive_ramp();
+        if self.in_step_dir_mode() {
+            self.follow_pulses();
+        } else {
+            self.drive_ramp();
+        }
         let rested = self.rested(self.ramp.position() != before);
         let drive = self.drive();
         if rested {

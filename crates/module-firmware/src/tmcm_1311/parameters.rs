@@ -25,7 +25,7 @@ impl Tmcm1311 {
             P::PositionError => self.position_error(),
             P::TargetVelocity => self.commanded_velocity(),
             P::ActualVelocity if self.mode == RampMode::Torque => self.measured_velocity_pps(),
-            P::ActualVelocity => self.ramp.velocity_pps(),
+            P::ActualVelocity => self.actual_velocity_pps(),
             P::MeasuredVelocity => self.measured_velocity_pps(),
             P::VelocityReached => i32::from(self.is_velocity_reached()),
             P::TorqueTargetCurrent => self.torque_or_advance(),
@@ -138,6 +138,11 @@ impl Tmcm1311 {
         use AxisParameter as P;
         if matches!(parameter, P::TargetPosition | P::TargetVelocity | P::RampMode | P::TorqueTargetCurrent) {
             self.require_obedience()?;
+            self.need_ramp()?;
+        }
+        // In step/direction mode there is open loop only.
+        if matches!(parameter, P::ClosedLoopMode | P::EncoderInitialization) && value != 0 {
+            self.need_ramp()?;
         }
         match parameter {
             P::TargetPosition => self.move_to(value),
@@ -156,6 +161,7 @@ impl Tmcm1311 {
                 self.i2t.set_window(i2t::window_ticks(&self.kept));
             }
             P::ClearI2tFlag => self.i2t.clear_flag(),
+            P::StepDirMode => self.set_step_dir_mode(value)?,
             P::ClearOnNull => {
                 let others = self.kept_value(P::EncoderMode) & !CLEAR_ON_NEXT_NULL;
                 self.kept.set(P::EncoderMode.index(), others | (value * CLEAR_ON_NEXT_NULL));

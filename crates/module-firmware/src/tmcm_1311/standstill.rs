@@ -49,9 +49,10 @@ impl Tmcm1311 {
         self.standstill = Standstill::default();
     }
 
-    /// Whether AP 214 has elapsed.
+    /// Whether AP 7 flows: AP 214 has elapsed, unless step/direction mode has another reason.
     pub(super) fn is_powered_down(&self) -> bool {
-        self.standstill.ticks >= self.power_down_delay()
+        let rested = self.standstill.ticks >= self.power_down_delay();
+        self.enable_selects_standby() || (rested && self.rest_sets_current())
     }
 
     /// Control periods at rest until one of the delays elapses.
@@ -65,9 +66,9 @@ impl Tmcm1311 {
         u64::from(self.kept_value(AxisParameter::PowerDownDelay).unsigned_abs()) * POWER_DOWN_UNIT
     }
 
-    /// None = never.
+    /// None = never: AP 204 is 0, or step/direction mode says what flows.
     fn freewheeling_delay(&self) -> Option<u64> {
         let delay_ms = self.kept_value(AxisParameter::FreewheelingDelay).unsigned_abs();
-        (delay_ms != 0).then(|| u64::from(delay_ms) * TICKS_PER_MS)
+        (delay_ms != 0 && self.rest_sets_current()).then(|| u64::from(delay_ms) * TICKS_PER_MS)
     }
 }

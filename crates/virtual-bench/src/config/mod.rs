@@ -19,6 +19,7 @@ mod pins;
 mod quantity;
 mod section;
 mod setting;
+mod step_dir;
 mod stiffness;
 pub(crate) mod suggest;
 mod supply;
@@ -36,6 +37,7 @@ pub use module::ModuleConfig;
 pub use motor::{BldcConfig, MotorConfig};
 pub use parse_setting::{Part, SETTINGS, SettingError, SettingValue, parse_setting};
 pub use setting::{Coil, Contact, EncoderLine, Power, Setting, SwitchName};
+pub use step_dir::StepDirConfig;
 pub use switches::SwitchesConfig;
 pub use wire::Wire;
 

@@ -12,6 +12,7 @@ use super::motor::{self, MotorConfig};
 use super::parse_setting::is_reserved;
 use super::quantity;
 use super::section::{Section, Table};
+use super::step_dir::{self, StepDirConfig};
 use super::stiffness;
 use super::suggest;
 use super::supply::{self, SupplyFigures};
@@ -46,6 +47,8 @@ pub struct ModuleConfig {
     pub switches: SwitchesConfig,
     /// What is connected to its inputs.
     pub inputs: InputsConfig,
+    /// What is connected to its step/direction connector.
+    pub step_dir: StepDirConfig,
 }
 
 impl ModuleConfig {
@@ -64,6 +67,7 @@ impl ModuleConfig {
             encoder: EncoderConfig::default_for(kind),
             switches: SwitchesConfig::default(),
             inputs: InputsConfig::default(),
+            step_dir: StepDirConfig::default(),
         }
     }
 }
@@ -140,6 +144,9 @@ fn read_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
     let home_switch = module.switches.home.is_some();
     if let Some(inputs) = section.section("inputs", "module.inputs") {
         module.inputs = inputs::read(inputs, kind, home_switch);
+    }
+    if let Some(step_dir) = section.section("step_dir", "module.step_dir") {
+        module.step_dir = step_dir::read(step_dir);
     }
 }
 

@@ -7,10 +7,12 @@ use super::module::ModuleConfig;
 use super::pins::{self, ANALOG_MAX};
 use super::quantity::{self, Quantity};
 use super::setting::{Coil, Contact, EncoderLine, Power, Setting, SwitchName};
+use super::step_dir::PULSES;
 use super::suggest;
 
 /// Words that names of settings begin with.
-const SETTING_ROOTS: [&str; 7] = ["ain", "fault", "input", "load", "power", "supply", "temperature_c"];
+const SETTING_ROOTS: [&str; 8] =
+    ["ain", "fault", "input", "load", "power", "step_dir", "supply", "temperature_c"];
 
 /// Words that other names in the same namespace begin with.
 const SIGNAL_ROOTS: [&str; 3] = ["output", "physical", "sensed"];
@@ -21,12 +23,15 @@ pub(super) fn is_reserved(word: &str) -> bool {
 }
 
 /// What may be set; `N` stands for a number.
-pub const SETTINGS: [&str; 16] = [
+pub const SETTINGS: [&str; 19] = [
     "load.torque_nm",
     "load.inertia_kgm2",
     "load.friction_nm",
     "input.N",
     "ain.N",
+    "step_dir.frequency_hz",
+    "step_dir.pulses",
+    "step_dir.enable",
     "supply.voltage_v",
     "temperature_c",
     "fault.encoder_line",
@@ -147,6 +152,7 @@ fn parse_for(
     match name.split_once('.') {
         Some(("input", number)) => input(bench, index, module, number, value),
         Some(("ain", number)) => analog_input(module, number, value),
+        Some(("step_dir", signal)) => parse_step_dir(signal, name, value),
         Some(("fault", fault)) => parse_fault(module, fault, name, value),
         _ => parse_plain(name, value),
     }
@@ -168,6 +174,18 @@ fn parse_plain(name: &str, value: SettingValue<'_>) -> Result<Setting, SettingEr
             let choices = [("off", Power::Off), ("on", Power::On), ("cycle", Power::Cycle)];
             choice(name, value, &choices).map(Setting::Power)
         }
+        _ => Err(unknown(name)),
+    }
+}
+
+fn parse_step_dir(signal: &str, name: &str, value: SettingValue<'_>) -> Result<Setting, SettingError> {
+    match signal {
+        "frequency_hz" => quantity_of(name, value, &quantity::PULSE_FREQUENCY).map(Setting::StepFrequencyHz),
+        "pulses" if value == SettingValue::Text("endless") => Ok(Setting::StepPulses(None)),
+        "pulses" => whole(name, value, PULSES)
+            .map(|pulses| Setting::StepPulses(Some(pulses)))
+            .map_err(|error| SettingError { help: Some("or \"endless\"".to_owned()), ..error }),
+        "enable" => whole(name, value, 0..=1).map(|level| Setting::StepEnable(level == 1)),
         _ => Err(unknown(name)),
     }
 }

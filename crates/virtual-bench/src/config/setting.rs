@@ -44,6 +44,12 @@ pub enum Setting {
     BoardTemperatureC(Option<f64>),
     /// The rotor slips by this many full steps at once, to the right if positive.
     DroppedSteps(i32),
+    /// Pulses a second at the step/direction connector, -1 000 000 to 1 000 000; positive is to the right.
+    StepFrequencyHz(f64),
+    /// How many pulses come from now on; `None`: any number.
+    StepPulses(Option<u32>),
+    /// Whether the ENABLE input of the step/direction connector is active.
+    StepEnable(bool),
     /// The module's power.
     Power(Power),
 }

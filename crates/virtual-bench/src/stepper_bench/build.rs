@@ -9,6 +9,7 @@ use motor_physics::stepper::{Stepper, StepperParameters};
 use motor_physics::supply::Supply;
 use motor_physics::switch::LimitSwitch;
 
+use super::pulse_source::PulseSource;
 use super::{StepperBench, SurroundingsState};
 use crate::config::{ModuleConfig, MotorConfig};
 use crate::kind::ModuleKind;
@@ -29,6 +30,7 @@ impl StepperBench {
             encoder: encoder(config, turns),
             encoder_has_index: config.encoder.index,
             switches: switches.map(|switch| switch.map(|switch| LimitSwitch::new(switch, turns))),
+            pulses: pulse_source(config),
             supply: Supply::new(config.supply),
             winding: HeatedBody::new(HeatParameters::stepper_winding(&parameters)),
             board: HeatedBody::new(HeatParameters::board()),
@@ -54,9 +56,17 @@ fn surroundings(config: &ModuleConfig) -> SurroundingsState {
         board_temperature_c: None,
         open_coil: None,
         shorted_coil: None,
+        enabled: config.step_dir.enabled,
         inputs: digital.fold(0, |inputs, (number, _)| inputs | (1 << number)),
         analog_inputs: [analog(0), analog(4)],
     }
+}
+
+fn pulse_source(config: &ModuleConfig) -> PulseSource {
+    let mut source = PulseSource::default();
+    source.set_frequency(config.step_dir.frequency_hz);
+    source.set_pulses(config.step_dir.pulses);
+    source
 }
 
 /// The bench file's parser lets no other motor near a stepper module; built by hand, a wrong one becomes the default.

@@ -44,6 +44,9 @@ impl Surroundings for StepperBench {
                 state.board_temperature_c = board_temperature_c;
             }
             Setting::DroppedSteps(full_steps) => self.motor.slip(f64::from(full_steps) / FULL_STEPS),
+            Setting::StepFrequencyHz(frequency_hz) => self.pulses.set_frequency(frequency_hz),
+            Setting::StepPulses(pulses) => self.pulses.set_pulses(pulses),
+            Setting::StepEnable(enabled) => state.enabled = enabled,
             Setting::Power(power) => self.switch(power),
         }
         // What changed may show at once, even if nothing moves; an index that the firmware has not seen yet stays.
@@ -55,6 +58,10 @@ impl Surroundings for StepperBench {
     fn encoder_counts(&self) -> i32 {
         self.sensed.encoder_counts
     }
+
+    fn step_pulses(&self) -> i64 {
+        self.pulses.total()
+    }
 }
 
 impl StepperBench {
@@ -63,6 +70,7 @@ impl StepperBench {
     fn switch(&mut self, power: Power) {
         self.surroundings.powered = power != Power::Off;
         self.chip = Tmc262::new(BOARD);
+        self.pulses.forget_steps();
         let fault = self.encoder.fault;
         self.encoder = Encoder::new(self.encoder.config(), self.motor.turns());
         self.encoder.fault = fault;

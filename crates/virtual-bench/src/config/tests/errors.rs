@@ -118,6 +118,15 @@ fn wires() {
 }
 
 #[test]
+fn step_direction() {
+    assert_snapshot!(in_module(
+        "[module.step_dir]\nfrequency_hz = 1e7\npulses = 1.5\nenable = true\nfrequency = 3\n\
+         [[module]]\nkind = \"tmcm-1311\"\nname = \"step_dir\"\n[module.step_dir]\nfrequency_hz = nan\npulses = -1\nenable = 2\n\
+         [[event]]\nat = 1\nset = { \"m1.step_dir.frequency_hz\" = inf, \"m1.step_dir.pulses\" = \"many\", \"m2.step_dir.enable\" = true }\n"
+    ));
+}
+
+#[test]
 fn events() {
     assert_snapshot!(in_module(
         "[[event]]\n[[event]]\nat = \"1.5\"\nset = { \"load.torqe_nm\" = 1, \"m2.power\" = \"off\" }\n\

@@ -48,6 +48,15 @@ fn the_stop_switches_stand_before_the_hard_stops() {
     assert_eq!(bench.events[0].settings, [(0, stuck)]);
 }
 
+#[test]
+fn the_pulses_come_back_by_a_turn() {
+    let bench = bench(example!("step-direction.toml"));
+    assert_eq!(bench.modules[0].step_dir.frequency_hz, 25_600.0);
+    let back = [(0, Setting::StepFrequencyHz(-25_600.0)), (0, Setting::StepPulses(Some(51_200)))];
+    assert_eq!(bench.events[0].settings, back);
+    assert_eq!(bench.events[1].settings, [(0, Setting::StepEnable(false))]);
+}
+
 /// Every block of TOML on the reference page that begins with a comment is a whole file.
 #[test]
 fn the_reference_page_shows_files_that_work() {

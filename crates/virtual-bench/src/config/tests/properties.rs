@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::super::{SETTINGS, parse, parse_setting};
 use crate::{ModuleKind, config::BenchConfig};
 
-const KEYS: [&str; 28] = [
+const KEYS: [&str; 31] = [
     "temperature_c",
     "voltage_v",
     "kind",
@@ -29,6 +29,9 @@ const KEYS: [&str; 28] = [
     "home.at_turns",
     "in_1",
     "ain_0",
+    "frequency_hz",
+    "pulses",
+    "enable",
     "from",
     "to",
     "at",
@@ -36,7 +39,7 @@ const KEYS: [&str; 28] = [
     "µ",
 ];
 
-const HEADERS: [&str; 12] = [
+const HEADERS: [&str; 13] = [
     "[supply]",
     "[[module]]",
     "[module.motor]",
@@ -46,6 +49,7 @@ const HEADERS: [&str; 12] = [
     "[module.switches]",
     "[module.switches.home]",
     "[module.inputs]",
+    "[module.step_dir]",
     "[[wire]]",
     "[[event]]",
     "[event.set]",

@@ -38,6 +38,9 @@ fn every_setting_is_understood() {
         ("load.friction_nm", "0", Setting::LoadFrictionNm(0.0)),
         ("input.2", "1", Setting::Input { number: 2, high: true }),
         ("ain.4", "2048", Setting::AnalogInput { number: 4, reading: 2048 }),
+        ("step_dir.frequency_hz", "-51200.5", Setting::StepFrequencyHz(-51_200.5)),
+        ("step_dir.pulses", "51200", Setting::StepPulses(Some(51_200))),
+        ("step_dir.enable", "1", Setting::StepEnable(true)),
         ("supply.voltage_v", "24", Setting::SupplyVoltageV(24.0)),
         ("temperature_c", "-20", Setting::AmbientC(-20.0)),
         ("fault.encoder_line", "index", Setting::EncoderLine(Some(EncoderLine::Index))),
@@ -64,6 +67,7 @@ fn every_setting_is_understood() {
         assert_eq!(set(&format!("m1.{name}"), value), expected, "m1.{name}");
     }
     assert_eq!(set("fault.board_temperature_c", "none"), Setting::BoardTemperatureC(None));
+    assert_eq!(set("step_dir.pulses", "endless"), Setting::StepPulses(None));
 }
 
 #[test]
@@ -115,6 +119,23 @@ fn values_must_fit() {
             "fault.dropped_steps must be a whole number from -1000000 to 1000000, not 1000000000000",
         ),
         ("power", "toggle", "power cannot be \"toggle\""),
+        (
+            "step_dir.frequency_hz",
+            "1000001",
+            "step_dir.frequency_hz must be from -1000000 to 1000000 Hz, not 1000001",
+        ),
+        (
+            "step_dir.frequency_hz",
+            "nan",
+            "step_dir.frequency_hz must be from -1000000 to 1000000 Hz, not NaN",
+        ),
+        ("step_dir.pulses", "-1", "step_dir.pulses must be a whole number from 0 to 4294967295, not -1"),
+        (
+            "step_dir.pulses",
+            "none",
+            "step_dir.pulses must be a whole number from 0 to 4294967295, not \"none\"",
+        ),
+        ("step_dir.enable", "2", "step_dir.enable must be a whole number from 0 to 1, not 2"),
     ];
     for (name, value, message) in cases {
         let error = refused(&bench, name, value);
@@ -131,6 +152,8 @@ fn names_must_exist() {
         "load.",
         "load.torqe_nm",
         "fault.x",
+        "step_dir",
+        "step_dir.frequency",
         "input.0",
         "input.01",
         "ain.1",

@@ -4,7 +4,7 @@ use motor_physics::load::{LoadTorque, Profile};
 use motor_physics::supply::SupplyParameters;
 use motor_physics::switch::SwitchConfig;
 
-use super::super::{BenchConfig, Coil, EncoderConfig, Event, MotorConfig, Setting, Wire};
+use super::super::{BenchConfig, Coil, EncoderConfig, Event, MotorConfig, Setting, StepDirConfig, Wire};
 use super::bench;
 use crate::ModuleKind;
 
@@ -25,8 +25,8 @@ fn a_module_and_nothing_else_is_the_default_bench() {
 /// Empty sections say nothing either.
 #[test]
 fn empty_sections_change_nothing() {
-    let sections =
-        "[module.supply]\n[module.load]\n[module.encoder]\n[module.switches]\n[module.inputs]\n[supply]\n";
+    let sections = "[module.supply]\n[module.load]\n[module.encoder]\n[module.switches]\n[module.inputs]\n\
+         [module.step_dir]\n[supply]\n";
     assert_eq!(bench(&format!("{MODULE}{sections}")), BenchConfig::default_for(ModuleKind::Tmcm1311));
 }
 
@@ -59,6 +59,16 @@ fn a_motor_by_its_figures() {
     assert_eq!((motor.rated_current_rms_a, motor.resistance_ohm, motor.inductance_h), (2.0, 1.5, 4e-3));
     assert_eq!((motor.holding_torque_nm, motor.detent_torque_nm, motor.rotor_inertia_kgm2), (0.8, 0.0, 2e-5));
     assert_eq!(motor.pole_pairs, 100.0);
+}
+
+#[test]
+fn a_pulse_source() {
+    let step_dir = |lines: &str| bench(&format!("{MODULE}[module.step_dir]\n{lines}")).modules[0].step_dir;
+    let given = StepDirConfig { frequency_hz: -1000.5, pulses: Some(51_200), enabled: true };
+    assert_eq!(step_dir("frequency_hz = -1000.5\npulses = 51200\nenable = 1\n"), given);
+    let silent = StepDirConfig { frequency_hz: 0.0, pulses: None, enabled: false };
+    assert_eq!(step_dir("enable = 0\n"), silent);
+    assert_eq!(step_dir("pulses = 0\n").pulses, Some(0));
 }
 
 #[test]
