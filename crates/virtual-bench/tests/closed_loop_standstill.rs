@@ -62,7 +62,8 @@ fn a_push_inside_the_limit_returns_without_a_ramp() {
                     assert!(off.abs() < 199.0, "{what}: {off} encoder steps are beyond AP 138");
                     axis.assert_agrees();
                     assert_eq!(axis.gap(Ap::ActualVelocity), 0, "{what}: the ramp generator rests");
-                    assert_eq!(axis.gap(Ap::VirtualPosition), virtual_position, "{what}: AP 233");
+                    let moved = axis.gap(Ap::VirtualPosition) - virtual_position;
+                    assert!(moved.abs() <= 1, "{what}: AP 233 moved by {moved}");
                 }
             }
             axis.assert_at(10_000);

@@ -67,6 +67,7 @@ fn the_measured_velocity_is_the_true_one() {
                 measured += f64::from(axis.gap(Ap::MeasuredVelocity)) / 4000.0;
             }
             let off = measured / truth - 1.0;
+            // Where the detent torque makes the speed swing, too.
             assert!(
                 off.abs() < 0.01,
                 "{counts} counts, {velocity} pps: AP 131 is {measured:.0} on average, the truth {truth:.0}"
@@ -158,7 +159,9 @@ fn a_jam_clears_velocity_reached() {
     let mut axis = turning(&bench(MOTOR, 40_000, ""), 40_000, 2 * TURN, &[UNREGULATED]);
     axis.set("load.friction_nm", 5);
     axis.run_ms(100);
-    assert_eq!(axis.gap(Ap::MeasuredVelocity), 0, "AP 131 of a jammed shaft");
+    // Not faster than an encoder step in the time that none came.
+    let measured = axis.gap(Ap::MeasuredVelocity);
+    assert!((0..=20).contains(&measured), "AP 131 of a shaft that is jammed for 100 ms: {measured} pps");
     assert_eq!(axis.gap(Ap::VelocityReached), 0, "AP 16 of a jammed shaft");
     axis.set("load.friction_nm", 0.01);
     axis.run_ms(500);
@@ -199,8 +202,8 @@ fn mst_and_a_new_velocity_follow_the_ramp() {
     let (low, high) = axis.range(2000, |axis| true_pps(axis));
     assert!(low > -1500.0 && high < 1500.0, "stopped, it turns at {low:.0} to {high:.0} pps");
     axis.rotate(-3 * TURN);
-    axis.run_ms(150);
-    let truth = true_pps(&axis) / f64::from(TURN);
+    axis.run_ms(140);
+    let truth = mean_pps(&mut axis, 20) / f64::from(TURN);
     assert!((truth + 1.5).abs() < 0.15, "150 ms later it turns at {truth:.3} turns/s, not -1.5");
 }
 

@@ -98,6 +98,8 @@ fn it_finds_the_smallest_and_the_largest() {
 fn circumstances_do_not_matter() {
     let mut module = Module::on(&bench(MOTOR, 16_384, "torque_nm = -0.1"));
     module.sap(Ap::MaxVelocity, 2 * TURN);
+    // Standing by it would not hold this.
+    module.sap(Ap::StandbyCurrent, 128);
     module.run_ms(100);
     module.ok(Command::MoveToPosition, 0, 0, -12_345);
     module.run_ms(3000);
