@@ -161,7 +161,7 @@ fn a_jam_clears_velocity_reached() {
     axis.run_ms(100);
     // Not faster than an encoder step in the time that none came.
     let measured = axis.gap(Ap::MeasuredVelocity);
-    assert!((0..=20).contains(&measured), "AP 131 of a shaft that is jammed for 100 ms: {measured} pps");
+    assert!((0..=50).contains(&measured), "AP 131 of a shaft that is jammed for 100 ms: {measured} pps");
     assert_eq!(axis.gap(Ap::VelocityReached), 0, "AP 16 of a jammed shaft");
     axis.set("load.friction_nm", 0.01);
     axis.run_ms(500);
