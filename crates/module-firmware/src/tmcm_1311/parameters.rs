@@ -145,7 +145,7 @@ impl Tmcm1311 {
             P::TargetVelocity => self.turn(value),
             P::RampMode => self.set_mode(value)?,
             P::TorqueTargetCurrent => self.apply_torque(value)?,
-            P::TorqueActualCurrent => self.set_torque_current(value)?,
+            P::TorqueActualCurrent => self.set_torque_current(value),
             P::ClosedLoopMode => self.switch_closed_loop(value != 0)?,
             P::EncoderInitialization => self.switch_detection(value != 0)?,
             // Measured, although the manual's table says RW: a write is accepted and changes nothing.

@@ -160,8 +160,11 @@ impl Tmcm1311 {
         LeadLimits::new(self.gamma(), self.measured_velocity_pps())
     }
 
-    /// AP 230.
+    /// AP 230, which reads as its default until there is a field to weaken.
     pub(super) fn gamma(&self) -> i32 {
+        if self.closed().is_none() {
+            return self.kept_value(AxisParameter::Gamma);
+        }
         let velocity = |parameter| self.kept_value(parameter).unsigned_abs();
         weakening::gamma(
             self.measured_velocity_pps().unsigned_abs(),

@@ -65,9 +65,12 @@ impl Tmcm1311 {
     pub(in super::super) fn virtual_position(&self) -> i32 {
         match self.closed() {
             None => self.ramp.position(),
+            // Counted back from the target, so that the ramp ends on just what the target is worth.
             Some(closed) => {
-                let rotor = closed.rotor.scale().microsteps(self.encoder_counter().into());
-                rotor.wrapping_add(closed.leads.ramp()) as i32 // wraps, as every position does
+                let left = self.target_position.wrapping_sub(self.encoder_counter());
+                let target = i64::from(self.encoder_counter()) + i64::from(left);
+                let target = closed.rotor.scale().microsteps(target);
+                target.wrapping_sub(self.ramp_distance(closed)) as i32 // wraps, as every position does
             }
         }
     }

@@ -21,16 +21,18 @@ impl Tmcm1311 {
         Ok(())
     }
 
-    /// AP 19 in mA.
+    /// AP 19 in mA; in open loop what was written there.
     pub(in super::super) fn torque_current_ma(&self) -> i32 {
-        self.closed().map_or(0, |closed| closed.torque.actual_ma())
+        let written_ma = self.kept_value(AxisParameter::TorqueActualCurrent);
+        self.closed().map_or(written_ma, |closed| closed.torque.actual_ma())
     }
 
-    /// SAP 19: goes on from this current.
-    pub(in super::super) fn set_torque_current(&mut self, current_ma: i32) -> Result<(), Refused> {
-        let closed = self.closed_mut().ok_or(Refused::NotAvailable)?;
-        closed.torque.set_actual(current_ma);
-        Ok(())
+    /// SAP 19: torque mode goes on from this current.
+    pub(in super::super) fn set_torque_current(&mut self, current_ma: i32) {
+        self.kept.set(AxisParameter::TorqueActualCurrent.index(), current_ma);
+        if let Some(closed) = self.closed_mut() {
+            closed.torque.set_actual(current_ma);
+        }
     }
 
     /// The ramp takes over where the rotor is, at the speed it has.
