@@ -1,6 +1,7 @@
 //! A host that talks to a virtual TMCM-1311 in process, and takes nothing that the wire format does not allow.
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
+pub(crate) mod closed_loop;
 pub(crate) mod motion;
 pub(crate) mod program;
 
