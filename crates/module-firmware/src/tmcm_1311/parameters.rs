@@ -140,8 +140,8 @@ impl Tmcm1311 {
             self.require_obedience()?;
             self.need_ramp()?;
         }
-        // In step/direction mode there is open loop only.
-        if matches!(parameter, P::ClosedLoopMode | P::EncoderInitialization) && value != 0 {
+        // It is the ramp that turns the motor once.
+        if parameter == P::EncoderInitialization && value != 0 {
             self.need_ramp()?;
         }
         match parameter {
@@ -207,7 +207,7 @@ impl Tmcm1311 {
     }
 
     /// The largest velocity of what the ramp is doing now.
-    pub(super) fn top_velocity_pps(&self) -> i32 {
+    fn top_velocity_pps(&self) -> i32 {
         if self.search.is_some() {
             self.search_pace().switch_pps
         } else {

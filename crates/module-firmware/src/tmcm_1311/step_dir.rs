@@ -1,7 +1,8 @@
 //! Step/direction mode: pulses from outside move the motor, and the ramp generator does not drive (TMCM-1311 §6, AP 254).
 //!
 //! The manual says what each mode does with the current, and nothing else. Decisions:
-//! - a pulse moves AP 1 and the field by a microstep of AP 140, and AP 0 along: what was ordered is what was pulsed;
+//! - a pulse moves AP 1 and the field by a microstep of AP 140, in closed loop of 1/256 full step, and AP 0 along: what was
+//!   ordered is what was pulsed;
 //! - pulses that must not move the motor are lost: towards an active stop switch, with the driver stage off, and after a stop
 //!   (MST, AP 181, AP 212) until AP 254 is written again;
 //! - writing AP 254 is what a motion command is otherwise: it ends a stop, brings the current back and begins the delays anew.
@@ -48,19 +49,18 @@ impl Tmcm1311 {
     /// Writes AP 254.
     ///
     /// # Errors
-    /// [`Refused::NotAvailable`] in closed loop; [`Refused::InvalidValue`] where it would take a motor from the ramp that has not
-    /// come to rest.
+    /// [`Refused::NotAvailable`] while the encoder is being found or the closed loop initialised; [`Refused::InvalidValue`] where
+    /// it would take a motor from the ramp that has not come to rest.
     pub(super) fn set_step_dir_mode(&mut self, mode: i32) -> Result<(), Refused> {
         if mode == 0 && !self.in_step_dir_mode() {
             return Ok(());
         }
-        if !self.is_open_loop() {
-            return Err(Refused::NotAvailable);
-        }
-        let ramp_drives = self.search.is_some() || !self.ramp.is_settled(&self.limits());
-        if !self.in_step_dir_mode() && ramp_drives {
+        self.require_obedience()?;
+        let ramp_drives = self.is_open_loop() && !self.ramp.is_settled(&self.limits());
+        if !self.in_step_dir_mode() && (ramp_drives || !self.is_standing_still()) {
             return Err(Refused::InvalidValue);
         }
+        self.begin_motion();
         self.kept.set(AxisParameter::StepDirMode.index(), mode);
         self.mode = RampMode::Position;
         self.target_velocity = 0;
@@ -98,10 +98,16 @@ impl Tmcm1311 {
         if is_free && !self.is_blocked(pulses) { pulses } else { 0 }
     }
 
+    /// The pulses of a control period, counted into AP 3.
+    pub(super) fn take_pulses(&mut self) -> i32 {
+        let pulses = self.accepted_pulses();
+        self.step_dir.meter.tick(pulses);
+        pulses
+    }
+
     /// A control period in step/direction mode in open loop.
     pub(super) fn follow_pulses(&mut self) {
-        let microsteps = self.accepted_pulses();
-        self.step_dir.meter.tick(microsteps);
+        let microsteps = self.take_pulses();
         if microsteps != 0 {
             self.ramp.redefine_position(self.ramp.position().wrapping_add(microsteps));
             self.target_position = self.ramp.position();
@@ -124,9 +130,14 @@ impl Tmcm1311 {
         !self.in_step_dir_mode() || (self.sensed.steps == 0 && !self.is_pulsed())
     }
 
-    /// Whether ENABLE switches the driver stage off: modes 4 and 5.
+    /// Whether ENABLE switches the driver stage off: modes 4 and 5, and in closed loop mode 1.
     pub(super) fn is_disabled(&self) -> bool {
-        matches!(self.kept_value(AxisParameter::StepDirMode), 4 | 5) && !self.sensed.enabled
+        let obeys = match self.kept_value(AxisParameter::StepDirMode) {
+            4 | 5 => true,
+            1 => self.closed().is_some(),
+            _ => false,
+        };
+        obeys && !self.sensed.enabled
     }
 
     /// Whether AP 7 and AP 204 follow from how long the motor has been standing.

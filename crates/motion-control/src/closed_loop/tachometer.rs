@@ -105,8 +105,8 @@ impl Tachometer {
         }
     }
 
-    /// The speed. It falls at once with the time since the last edge, in which less than a count was moved, and is 0 after
-    /// 100 ms without one.
+    /// The speed. Where an edge is long overdue it falls with the time since the last one, in which less than a count was
+    /// moved, and it is 0 after 100 ms without one.
     #[must_use]
     pub fn rate(&self) -> CountRate {
         let Some((edge, reference)) = self.edge.zip(self.reference()) else {
@@ -115,7 +115,9 @@ impl Tachometer {
         let counts = edge.position.wrapping_sub(reference.position);
         let ticks = edge.tick.wrapping_sub(reference.tick).max(SHORTEST_BASE_TICKS);
         let idle_ticks = self.ticks_since(edge);
-        if counts.unsigned_abs().saturating_mul(idle_ticks) > ticks {
+        // Overdue is twice as long as a count takes. Shorter pauses come with uneven motion; to cut only those would read too
+        // low on average.
+        if counts.unsigned_abs().saturating_mul(idle_ticks) / 2 > ticks {
             return CountRate { counts: counts.signum(), ticks: idle_ticks };
         }
         CountRate { counts, ticks }

@@ -9,9 +9,12 @@ use super::{AxisParameter, ClosedLoop, Operation, RampMode, Tmcm1311};
 const TICKS_PER_MS: u32 = crate::TICKS_PER_MS as u32;
 
 impl Tmcm1311 {
-    /// Brings the current scale on its way; it stays at 255 where AP 122 is 0, and where torque mode sets the current.
+    /// Brings the current scale on its way; it stays at 255 where AP 122 is 0, where torque mode sets the current, and in the
+    /// step/direction modes whose current is the maximum (§6, AP 254).
     pub(super) fn regulate_current(&mut self) {
-        let regulated = self.kept_value(AxisParameter::CurrentScaleEnable) != 0 && !self.is_torque_driven();
+        let regulated = self.kept_value(AxisParameter::CurrentScaleEnable) != 0
+            && self.kept_value(AxisParameter::StepDirMode) <= 1
+            && !self.is_torque_driven();
         let (error, settings) = (self.regulated_error(), self.current_settings());
         let Some(closed) = self.closed_mut() else { return };
         if regulated {

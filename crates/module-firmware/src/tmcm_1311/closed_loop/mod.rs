@@ -18,6 +18,7 @@ use motion_control::closed_loop::leads::{Correction, LeadLimits, Leads};
 use motion_control::closed_loop::scale::{EncoderScale, Odometer};
 use motion_control::closed_loop::torque_ramp::TorqueRamp;
 use motion_control::closed_loop::weakening;
+use motion_control::ramp::UNITS_PER_STEP;
 
 use super::{AxisParameter, RampMode, Tmcm1311};
 
@@ -51,6 +52,8 @@ pub(super) struct ClosedLoop {
     torque_is_held: bool,
     /// Standstill mode (§8.5): the target is reached.
     holds: bool,
+    /// It was pushed out of standstill mode, and is on its way back.
+    recovers: bool,
     /// For how many control periods the motor has been within AP 134 of the target.
     in_window: u32,
 }
@@ -66,6 +69,7 @@ impl ClosedLoop {
             torque: TorqueRamp::new(),
             torque_is_held: false,
             holds: false,
+            recovers: false,
             in_window: 0,
         }
     }
@@ -83,6 +87,7 @@ impl ClosedLoop {
 
     fn stop_holding(&mut self) {
         self.holds = false;
+        self.recovers = false;
         self.in_window = 0;
     }
 }
@@ -118,21 +123,41 @@ impl Tmcm1311 {
 
     /// A control period of the closed loop: ramp, then field, then current.
     pub(super) fn close_loop(&mut self) {
-        let before = self.ramp.place();
-        let position_before = self.ramp.position();
-        if self.switched_off {
+        if self.switched_off || self.is_disabled() {
             self.follow_loose_rotor();
+        } else if self.in_step_dir_mode() {
+            self.drive_pulses();
         } else if self.search.is_none() && self.mode == RampMode::Torque {
             self.drive_torque();
         } else if !self.holds_position() {
-            self.drive_ramp();
-            let units = self.ramp.units_since(before);
-            let steps = self.ramp.position().wrapping_sub(position_before);
-            self.lead_field(steps, units);
-            self.watch_window();
+            self.drive_field();
         }
         self.regulate_current();
         self.phase = self.field_phase();
+    }
+
+    /// A control period of the ramp, and of the field after it.
+    fn drive_field(&mut self) {
+        self.begin_return_anew();
+        let (place, position) = (self.ramp.place(), self.ramp.position());
+        self.drive_ramp();
+        self.lead_field(self.ramp.position().wrapping_sub(position), self.ramp.units_since(place));
+        self.watch_window();
+    }
+
+    /// A control period of step/direction mode: a pulse is a µstep, and the field follows it as it follows the ramp.
+    fn drive_pulses(&mut self) {
+        let pulses = self.take_pulses();
+        if pulses != 0
+            && let Some(closed) = self.closed_mut()
+        {
+            closed.stop_holding();
+        }
+        if !self.holds_position() {
+            self.lead_field(pulses, i64::from(pulses) * UNITS_PER_STEP);
+            self.target_position = self.ramp_position();
+            self.watch_window();
+        }
     }
 
     /// The ramp went on: the field follows it, in positioning with corrections, at a commanded velocity closely.
@@ -177,11 +202,31 @@ impl Tmcm1311 {
     fn correction(&self) -> Correction {
         use AxisParameter as P;
         let value = |parameter| self.kept_value(parameter).unsigned_abs();
+        // A move goes on until it arrives (§8.4): what is left alone on the way is made up for at its end.
+        let left_alone = if self.is_driven() { value(P::MaxFollowingError) } else { 0 };
         Correction {
             proportional: value(P::CorrectionVelocityP),
-            max_following_error: value(P::MaxFollowingError),
-            max_velocity_pps: self.top_velocity_pps().unsigned_abs().max(value(P::MaxCorrectionVelocity)),
+            max_following_error: left_alone,
+            max_velocity_pps: self.largest_driven_pps().max(value(P::MaxCorrectionVelocity)),
         }
+    }
+
+    /// Whether ramp or pulses are on their way.
+    fn is_driven(&self) -> bool {
+        !self.ramp.is_standing() || self.is_pulsed()
+    }
+
+    /// The fastest that ramp or pulses may be.
+    fn largest_driven_pps(&self) -> u32 {
+        let pace = self.search_pace();
+        let largest_pps = if self.in_step_dir_mode() {
+            self.kept_value(AxisParameter::MaxVelocity).max(self.actual_velocity_pps().saturating_abs())
+        } else if self.search.is_some() {
+            pace.search_pps.max(pace.switch_pps)
+        } else {
+            self.kept_value(AxisParameter::MaxVelocity)
+        };
+        largest_pps.unsigned_abs()
     }
 
     /// Where the field stands, AP 112 included.

@@ -36,21 +36,30 @@ impl Tmcm1311 {
     fn begin_alignment(&mut self) -> Result<(), Refused> {
         let scale = self.encoder_scale().filter(EncoderScale::is_fine_enough);
         let scale = scale.filter(|_| self.is_standing_still()).ok_or(Refused::InvalidValue)?;
+        self.alignment_current = self.current_part();
+        let alignment = Alignment::new(self.phase, self.alignment_current);
         self.settle_for_operation();
         self.operation = Operation::Aligning {
-            alignment: Alignment::new(),
+            alignment,
             scale,
             from_phase: self.phase,
             from_count: self.sensed.encoder_counts,
         };
-        self.alignment_current = 0;
         Ok(())
     }
 
-    /// Neither ramp nor search moves the motor, and torque does not either.
-    fn is_standing_still(&self) -> bool {
+    /// Neither ramp nor search nor pulses move the motor, and torque does not either.
+    pub(in super::super) fn is_standing_still(&self) -> bool {
         let turns = self.mode == RampMode::Torque && self.measured_velocity_pps() != 0;
-        self.ramp.is_standing() && self.search.is_none() && !turns
+        self.ramp.is_standing() && self.search.is_none() && !self.is_pulsed() && !turns
+    }
+
+    /// The current that flows now, in 1/256 of AP 6.
+    fn current_part(&self) -> u8 {
+        let chip = self.chip_settings();
+        let largest = self.kept_value(AxisParameter::MaxCurrent) / 8 + 1;
+        let part = 256 * (i32::from(chip.current_scale) + 1) / largest - 1;
+        if chip.off_time == 0 { 0 } else { u8::try_from(part).unwrap_or(u8::MAX) }
     }
 
     /// What was going on is over: the motor is to stay where it is.
@@ -98,7 +107,7 @@ impl Tmcm1311 {
         }
     }
 
-    /// Back to open loop: the field stays where it stands, the counter is µsteps again.
+    /// Back to open loop: the field stands where the rotor does, the counter is µsteps again.
     fn open_loop(&mut self) -> Result<(), Refused> {
         if !self.is_standing_still() {
             return Err(Refused::InvalidValue);
@@ -106,6 +115,8 @@ impl Tmcm1311 {
         let microsteps =
             self.encoder_scale().map_or(0, |scale| scale.microsteps(self.encoder_counter().into()));
         self.leave_torque();
+        self.stay_with_rotor();
+        self.phase = self.field_phase();
         self.operation = Operation::Open;
         let position = (microsteps / i64::from(self.microstep_size())) as i32; // wraps
         self.ramp.halt();
