@@ -1,5 +1,6 @@
 //! Fixed-point motion control, as it runs every 50 µs on a microcontroller without floating point.
 //!
+//! - [`closed_loop`]: the laws by which an encoder keeps a stepper in step.
 //! - [`homing`]: the reference search, a state machine over switches and positions.
 //! - [`i2t`]: the thermal load of a winding, watched over a sliding window.
 //! - [`ramp`]: the trapezoidal ramp generator of positioning and velocity mode.
@@ -11,6 +12,7 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![deny(clippy::float_arithmetic)]
 
+pub mod closed_loop;
 pub mod homing;
 pub mod i2t;
 pub mod ramp;

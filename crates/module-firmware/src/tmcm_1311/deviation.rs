@@ -1,11 +1,16 @@
-//! Motor stop on deviation: the encoder watches the open loop (TMCM-1311 §6, AP 207 and AP 212).
+//! Motor stop on deviation: the rotor is too far from where the ramp says it should be (TMCM-1311 §6, AP 207 and AP 212).
 
-use super::{AxisParameter, MICROSTEPS, RampMode, Tmcm1311};
+use super::{AxisParameter, MICROSTEPS, Operation, RampMode, Tmcm1311};
+use crate::axis::Axis;
 
 impl Tmcm1311 {
     /// Stops at once when ramp and encoder (AP 1 and AP 209) are further apart than |AP 212|, in 1/256 full steps; a
     /// negative AP 212 switches the current off too. Both last until the next motion command. Returns whether it stopped.
     pub(super) fn stop_on_deviation(&mut self) -> bool {
+        // Before the encoder is known to be right, it cannot tell a deviation.
+        if matches!(self.operation, Operation::Detecting(_) | Operation::Aligning { .. }) {
+            return false;
+        }
         let limit = self.kept_value(AxisParameter::MaxEncoderDeviation);
         let flag = AxisParameter::EncoderDeviationFlag.index();
         if limit == 0 || self.kept.get(flag) != 0 || self.deviation() <= limit.unsigned_abs() {
@@ -27,7 +32,8 @@ impl Tmcm1311 {
     pub(super) fn stop_at_once(&mut self) {
         self.search = None;
         self.ramp.halt();
-        self.target_position = self.ramp.position();
+        self.stay_with_rotor();
+        self.target_position = self.actual_position();
         if self.mode == RampMode::Velocity {
             self.target_velocity = 0;
             self.ramp.set_goal(motion_control::ramp::Goal::Velocity(0));
@@ -36,6 +42,9 @@ impl Tmcm1311 {
 
     /// How far ramp and encoder are apart, in 1/256 full steps; 0 where the resolutions make no sense.
     fn deviation(&self) -> u32 {
+        if let Some(closed) = self.closed() {
+            return u32::try_from(closed.ramp_lead().unsigned_abs()).unwrap_or(u32::MAX);
+        }
         let full_steps = i64::from(self.kept_value(AxisParameter::MotorFullSteps));
         let resolution = i64::from(self.kept_value(AxisParameter::EncoderResolution));
         let counter = i64::from(self.encoder_counter());

@@ -53,6 +53,7 @@ impl Tmcm1311 {
         let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
         let flag = |parameter| self.kept_value(parameter) != 0;
         let semin = byte(P::CoolstepHysteresisStart);
+        let open_loop = self.is_open_loop();
         let off_time =
             if self.switched_off || self.standstill.freewheels() { 0 } else { byte(P::ChopperOffTime) };
         let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
@@ -63,7 +64,7 @@ impl Tmcm1311 {
             stallguard_threshold: i8::try_from(self.kept_value(P::Stallguard2Threshold)).unwrap_or(0),
             stallguard_filter: flag(P::Stallguard2Filter),
             cool_step: CoolStep {
-                semin: if fast { semin } else { 0 },
+                semin: if fast && open_loop { semin } else { 0 },
                 semax: byte(P::CoolstepHysteresis),
                 seup: byte(P::CoolstepUpStep),
                 sedn: byte(P::CoolstepDownStep),
@@ -73,13 +74,15 @@ impl Tmcm1311 {
         }
     }
 
-    /// What flows now, scaled like AP 6: AP 7 once the motor has stood for AP 214, AP 200 while the ramp changes its velocity,
+    /// What flows now, scaled like AP 6: in closed loop and on the way there AP 6, in open loop AP 7 once the motor has stood for AP 214, AP 200 while the ramp changes its velocity,
     /// the run current otherwise. AP 6 is the absolute maximum (§6) of all but AP 200.
     fn motor_current(&self, fast: bool) -> u8 {
         use AxisParameter as P;
         let maximum = self.kept_value(P::MaxCurrent);
         let boost = self.kept_value(P::BoostCurrent);
-        let current = if self.is_powered_down() {
+        let current = if !self.is_open_loop() {
+            maximum
+        } else if self.is_powered_down() {
             self.kept_value(P::StandbyCurrent).min(maximum)
         } else if boost != 0 && self.ramp.is_changing_speed() {
             boost
@@ -104,8 +107,10 @@ impl Tmcm1311 {
     /// where the motor is, so that it does not start again. Returns whether it stopped.
     pub(super) fn stop_on_stall(&mut self) -> bool {
         let threshold_pps = self.kept_value(AxisParameter::StopOnStallVelocity);
-        let stalls =
-            threshold_pps > 0 && self.speed_pps() > threshold_pps && self.sensed.driver.stallguard == 0;
+        let stalls = self.closed().is_none()
+            && threshold_pps > 0
+            && self.speed_pps() > threshold_pps
+            && self.sensed.driver.stallguard == 0;
         if stalls {
             self.stop_at_once();
         }

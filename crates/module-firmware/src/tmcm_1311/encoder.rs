@@ -12,6 +12,16 @@ impl Tmcm1311 {
         self.sensed.encoder_counts.wrapping_add(self.encoder_offset)
     }
 
+    /// Calls the place where the encoder is something else. In closed loop that is the position: the target goes along, and
+    /// nothing moves.
+    pub(super) fn redefine_encoder(&mut self, value: i32) {
+        if self.closed().is_some() {
+            let shift = value.wrapping_sub(self.encoder_counter());
+            self.target_position = self.target_position.wrapping_add(shift);
+        }
+        self.set_encoder_counter(value);
+    }
+
     pub(super) fn set_encoder_counter(&mut self, value: i32) {
         self.encoder_offset = value.wrapping_sub(self.sensed.encoder_counts);
     }
@@ -21,7 +31,7 @@ impl Tmcm1311 {
     pub(super) fn clear_encoder_on_null(&mut self) {
         let mode = self.kept_value(AxisParameter::EncoderMode);
         if self.sensed.encoder_index && mode & (CLEAR_ON_NEXT_NULL | CLEAR_ON_EVERY_NULL) != 0 {
-            self.set_encoder_counter(0);
+            self.redefine_encoder(0);
             self.kept.set(AxisParameter::EncoderMode.index(), mode & !CLEAR_ON_NEXT_NULL);
         }
     }

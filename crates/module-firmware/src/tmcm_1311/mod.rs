@@ -1,8 +1,9 @@
 //! The TMCM-1311: one axis for a two-phase stepper, TMC262 driver, incremental encoder.
 //!
-//! What stands: open loop with all its currents, stop switches, reference search, stop on stall and on deviation of the encoder,
-//! I²t. Closed loop is still to come; its parameters keep what is written to them (`docs/fidelity.md`).
+//! In open loop the field goes where the ramp generator says; in closed loop ([`closed_loop`]) it follows the rotor. Currents,
+//! stop switches, reference search, I²t and the stop on deviation serve both.
 
+mod closed_loop;
 mod deviation;
 mod driver;
 mod encoder;
@@ -13,10 +14,10 @@ mod search;
 mod standstill;
 mod switches;
 
+use motion_control::closed_loop::tachometer::Tachometer;
 use motion_control::homing::Search;
 use motion_control::i2t::I2t;
 use motion_control::ramp::{Goal, Limits, Ramp};
-use motion_control::sine;
 pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
 use tmcl_tables::{Interrupt, ModuleSpec, tmcm_1311 as tables};
 use tmcl_vm::WaitEvent;
@@ -26,6 +27,7 @@ use crate::events::Events;
 use crate::program_memory::Programs;
 use crate::values::Values;
 
+use closed_loop::Operation;
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
 use standstill::Standstill;
 
@@ -75,6 +77,7 @@ pub struct Drive {
 enum RampMode {
     Position,
     Velocity,
+    Torque,
 }
 
 /// The axis.
@@ -88,8 +91,17 @@ pub struct Tmcm1311 {
     target_velocity: i32,
     /// The reference search that runs.
     search: Option<Search>,
+    /// Who decides where the field stands.
+    operation: Operation,
+    /// What the last encoder detection came to (AP 132).
+    detection_state: i32,
+    /// The current of the initialisation of the closed loop, in 1/256 of AP 6.
+    alignment_current: u8,
+    /// In closed loop: whether the last control period changed nothing, and nothing was set since.
+    settled: bool,
     /// Where the field stands, in 1/256 full steps; 1024 make an electrical period.
     phase: u16,
+    tachometer: Tachometer,
     /// AP 209 less the raw encoder count.
     encoder_offset: i32,
     outputs: u8,
@@ -116,7 +128,12 @@ impl Default for Tmcm1311 {
             target_position: 0,
             target_velocity: 0,
             search: None,
+            operation: Operation::Open,
+            detection_state: 0,
+            alignment_current: 0,
+            settled: false,
             phase: 0,
+            tachometer: Tachometer::new(0),
             encoder_offset: 0,
             outputs: 0,
             reversed_switches: false,
@@ -139,35 +156,52 @@ impl Axis for Tmcm1311 {
     fn is_idle(&self, sensed: &Sensed) -> bool {
         self.search.is_none()
             && self.sensed == *sensed
-            && self.ramp.goal() == self.allowed_goal()
-            && self.ramp.is_settled(&self.limits())
+            && self.tachometer.is_at_rest()
+            && self.is_settled()
             && self.quiet_ticks() > 0
     }
 
     fn quiet_ticks(&self) -> u64 {
-        self.quiet_standstill().min(self.quiet_i2t())
+        match self.closed() {
+            None => self.quiet_standstill().min(self.quiet_i2t()),
+            Some(_) => self.quiet_i2t(),
+        }
     }
 
     fn skip(&mut self, ticks: u64) {
-        self.standstill.skip(ticks);
+        if self.is_open_loop() {
+            self.standstill.skip(ticks);
+        }
+        self.tachometer.skip(ticks);
         self.skip_i2t(ticks);
     }
 
     fn tick(&mut self, sensed: &Sensed, events: &mut Events) -> Drive {
         self.sensed = *sensed;
+        self.tachometer.tick(sensed.encoder_counts);
         self.watch_i2t();
         self.clear_encoder_on_null();
+        self.follow_rotor();
         events.stall_stop = self.stop_on_stall();
         events.deviation_stop = self.stop_on_deviation();
-        self.freewheel_in_time();
-        let before = self.ramp.position();
-        self.move_on();
-        let rested = self.rested(self.ramp.position() != before);
-        let drive = self.drive();
-        if rested {
-            self.standstill.skip(1);
+        match self.operation {
+            Operation::Open => self.tick_open_loop(),
+            Operation::Detecting(_) => {
+                self.detect_on();
+                self.drive()
+            }
+            Operation::Aligning { .. } => {
+                self.align_on();
+                self.drive()
+            }
+            Operation::Closed(before) => {
+                let ramp_before = self.ramp.place();
+                self.close_loop();
+                let unchanged = self.closed() == Some(&before) && self.ramp.place() == ramp_before;
+                self.settled = unchanged && self.ramp.is_standing();
+                self.drive()
+            }
         }
-        drive
     }
 
     fn get(&self, parameter: AxisParameter) -> i32 {
@@ -175,10 +209,16 @@ impl Axis for Tmcm1311 {
     }
 
     fn set(&mut self, parameter: AxisParameter, value: i32) -> Result<(), Refused> {
+        self.settled = false;
         self.set_parameter(parameter, value)
     }
 
     fn motion(&mut self, motion: Motion) -> Result<(), Refused> {
+        self.settled = false;
+        match motion {
+            Motion::Stop => self.abort_operation(),
+            _ => self.require_obedience()?,
+        }
         match motion {
             Motion::Rotate(velocity_pps) => self.turn(velocity_pps),
             Motion::Stop => self.turn(0),
@@ -189,6 +229,8 @@ impl Axis for Tmcm1311 {
     }
 
     fn start_search(&mut self) -> Result<(), Refused> {
+        self.settled = false;
+        self.require_obedience()?;
         self.begin_search()
     }
 
@@ -203,15 +245,22 @@ impl Axis for Tmcm1311 {
     }
 
     fn actual_position(&self) -> i32 {
-        self.ramp.position()
+        match self.closed() {
+            None => self.ramp.position(),
+            Some(_) => self.encoder_counter(),
+        }
     }
 
-    /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8). A search that runs has none yet.
+    /// In open loop the flag means that the ramp stands exactly on the target (§6, AP 8), in closed loop that standstill mode
+    /// is on (§8.5). A search that runs has none yet.
     fn is_position_reached(&self) -> bool {
+        if self.closed().is_some() {
+            return self.is_holding();
+        }
         // A motor that a stop switch keeps from turning has reached nothing, even on the last target.
         let wants_to_turn = self.mode == RampMode::Velocity && self.target_velocity != 0;
         let stands = self.ramp.is_standing() && self.ramp.position() == self.target_position;
-        stands && !wants_to_turn && self.search.is_none()
+        stands && !wants_to_turn && self.search.is_none() && self.is_open_loop()
     }
 
     fn has_happened(&self, event: WaitEvent) -> bool {
@@ -243,6 +292,7 @@ impl Axis for Tmcm1311 {
     }
 
     fn set_end_switch_polarity(&mut self, reversed: bool) {
+        self.settled = false;
         self.reversed_switches = reversed;
     }
 
@@ -265,32 +315,61 @@ impl Tmcm1311 {
         self.search = None;
         self.forget_deviation();
         self.end_standstill();
+        self.begin_motion();
         self.mode = RampMode::Velocity;
         self.target_velocity = velocity_pps;
         self.ramp.set_goal(Goal::Velocity(velocity_pps));
     }
 
-    /// Position mode: to `position` (§5.7.4).
+    /// Position mode: to `position` (§5.7.4). A motor that is there already stays.
     fn move_to(&mut self, position: i32) {
         self.search = None;
         self.forget_deviation();
         self.end_standstill();
+        if !(self.is_holding() && self.target_position == position) {
+            self.begin_motion();
+        }
         self.mode = RampMode::Position;
         self.target_position = position;
-        self.ramp.set_goal(Goal::Position(position));
+        self.ramp.set_goal(Goal::Position(self.ramp_target()));
     }
 
     /// What MVP REL counts from (§6, AP 127).
     fn relative_origin(&self) -> i32 {
         match self.kept_value(AxisParameter::RelativePositioningOption) {
             0 => self.target_position,
+            2 if self.closed().is_some() => self.encoder_counter(),
             2 => self.encoder_position(),
-            _ => self.ramp.position(),
+            _ => self.ramp_position(),
+        }
+    }
+
+    /// A control period of open loop.
+    fn tick_open_loop(&mut self) -> Drive {
+        self.freewheel_in_time();
+        let before = self.ramp.position();
+        self.drive_ramp();
+        let rested = self.rested(self.ramp.position() != before);
+        let drive = self.drive();
+        if rested {
+            self.standstill.skip(1);
+        }
+        drive
+    }
+
+    /// Whether another control period with the same sensors would command the same.
+    fn is_settled(&self) -> bool {
+        match self.operation {
+            Operation::Open => {
+                self.ramp.goal() == self.allowed_goal() && self.ramp.is_settled(&self.limits())
+            }
+            Operation::Detecting(_) | Operation::Aligning { .. } => false,
+            Operation::Closed(_) => self.settled,
         }
     }
 
     /// A control period of the ramp, and of what drives it.
-    fn move_on(&mut self) {
+    fn drive_ramp(&mut self) {
         if let Some(search) = self.search {
             self.search_on(search);
         } else {
@@ -299,11 +378,13 @@ impl Tmcm1311 {
         }
     }
 
-    /// Lets the ramp go on, and the field with it.
+    /// Lets the ramp go on, and in open loop the field with it.
     fn follow_ramp(&mut self, limits: &Limits) {
         let before = self.ramp.position();
         self.ramp.tick(limits);
-        self.step(self.ramp.position().wrapping_sub(before));
+        if self.closed().is_none() {
+            self.step(self.ramp.position().wrapping_sub(before));
+        }
     }
 
     fn limits(&self) -> Limits {
@@ -314,8 +395,11 @@ impl Tmcm1311 {
         }
     }
 
-    /// 1/256 full steps in a microstep (§6, AP 140).
+    /// 1/256 full steps in a microstep (§6, AP 140); 1 in closed loop.
     fn microstep_size(&self) -> i32 {
+        if self.closed().is_some() {
+            return 1;
+        }
         MICROSTEPS >> self.kept_value(AxisParameter::MicrostepResolution).clamp(0, 8)
     }
 
@@ -327,8 +411,7 @@ impl Tmcm1311 {
     }
 
     fn drive(&self) -> Drive {
-        let (a, b) = sine::vector(self.phase);
-        Drive { coils: [a, b], chip: self.chip_settings(), outputs: self.outputs }
+        Drive { coils: self.coil_currents(), chip: self.chip_settings(), outputs: self.outputs }
     }
 
     fn kept_value(&self, parameter: AxisParameter) -> i32 {

@@ -20,13 +20,30 @@ impl Tmcm1311 {
         let [coil_a, coil_b] = self.sensed.coil_currents_ma.map(i32::from);
         match parameter {
             P::TargetPosition => self.target_position,
-            P::ActualPosition | P::VirtualPosition => self.ramp.position(),
+            P::ActualPosition => self.actual_position(),
+            P::VirtualPosition => self.virtual_position(),
+            P::PositionError => self.position_error(),
             P::TargetVelocity => self.commanded_velocity(),
+            P::ActualVelocity if self.mode == RampMode::Torque => self.measured_velocity_pps(),
             P::ActualVelocity => self.ramp.velocity_pps(),
+            P::MeasuredVelocity => self.measured_velocity_pps(),
+            P::VelocityReached => i32::from(self.is_velocity_reached()),
+            P::TorqueTargetCurrent => self.torque_or_advance(),
+            P::TorqueActualCurrent => self.torque_current_ma(),
+            P::ActualCurrentScale => self.current_scale(),
+            P::TargetCurrentScale => self.target_current_scale(),
+            P::ClosedLoopMode => i32::from(self.is_closing_or_closed()),
+            P::ClosedLoopInitialized => i32::from(self.closed().is_some()),
+            P::EncoderInitialization => self.detection_state,
+            P::Gamma => self.gamma(),
             P::PositionReached => i32::from(self.is_position_reached()),
             P::MaxPossibleCurrent => self.max_possible_current_ma(),
             P::StatusWord => self.status_word(),
-            P::RampMode => i32::from(self.mode == RampMode::Velocity),
+            P::RampMode => match self.mode {
+                RampMode::Position => 0,
+                RampMode::Velocity => 1,
+                RampMode::Torque => 2,
+            },
             P::MotorCurrent => amplitude(coil_a, coil_b),
             P::PhaseACurrent => coil_a,
             P::PhaseBCurrent => coil_b,
@@ -48,10 +65,7 @@ impl Tmcm1311 {
             | P::StandbyCurrent
             | P::RightLimitSwitchDisable
             | P::LeftLimitSwitchDisable
-            | P::TorqueTargetCurrent
-            | P::VelocityReached
             | P::VelocityReachedWindow
-            | P::TorqueActualCurrent
             | P::TorqueCurrentSlope
             | P::ThermalWindingTimeConstant
             | P::I2tLimit
@@ -70,16 +84,11 @@ impl Tmcm1311 {
             | P::CurrentScaleIncrementDelay
             | P::CurrentScaleDecrementDelay
             | P::CurrentScaleEnable
-            | P::ActualCurrentScale
             | P::CorrectionVelocityP
             | P::MaxFollowingError
             | P::MaxCorrectionVelocity
             | P::RelativePositioningOption
-            | P::ClosedLoopMode
             | P::StartStopVelocity
-            | P::MeasuredVelocity
-            | P::EncoderInitialization
-            | P::ClosedLoopInitialized
             | P::PositionReachedWindow
             | P::PositionReachedTime
             | P::StandstillGain
@@ -121,25 +130,27 @@ impl Tmcm1311 {
             | P::EncoderResolution
             | P::MaxEncoderDeviation
             | P::PowerDownDelay
-            | P::Gamma
-            | P::TargetCurrentScale
-            | P::PositionError
             | P::StepDirMode => self.kept_value(parameter),
         }
     }
 
     pub(super) fn set_parameter(&mut self, parameter: AxisParameter, value: i32) -> Result<(), Refused> {
         use AxisParameter as P;
+        if matches!(parameter, P::TargetPosition | P::TargetVelocity | P::RampMode | P::TorqueTargetCurrent) {
+            self.require_obedience()?;
+        }
         match parameter {
             P::TargetPosition => self.move_to(value),
             P::ActualPosition => self.redefine_position(value),
             P::TargetVelocity => self.turn(value),
             P::RampMode => self.set_mode(value)?,
-            // Torque mode cannot be used in open loop (§6, AP 14 and AP 128).
-            P::TorqueTargetCurrent => return Err(Refused::NotAvailable),
+            P::TorqueTargetCurrent => self.apply_torque(value)?,
+            P::TorqueActualCurrent => self.set_torque_current(value),
+            P::ClosedLoopMode => self.switch_closed_loop(value != 0)?,
+            P::EncoderInitialization => self.switch_detection(value != 0)?,
             // Measured, although the manual's table says RW: a write is accepted and changes nothing.
             P::ActualVelocity | P::CoolstepActualCurrent => {}
-            P::EncoderCounter => self.set_encoder_counter(value),
+            P::EncoderCounter => self.redefine_encoder(value),
             P::ThermalWindingTimeConstant => {
                 self.kept.set(parameter.index(), value);
                 self.i2t.set_window(i2t::window_ticks(&self.kept));
@@ -156,6 +167,9 @@ impl Tmcm1311 {
 
     /// SAP 1 calls the present place something else; the target goes along, so that nothing moves.
     fn redefine_position(&mut self, position: i32) {
+        if self.closed().is_some() {
+            return self.redefine_encoder(position);
+        }
         let shift = position.wrapping_sub(self.ramp.position());
         self.target_position = self.target_position.wrapping_add(shift);
         self.ramp.redefine_position(position);
@@ -169,6 +183,7 @@ impl Tmcm1311 {
         match mode {
             0 => self.move_to(self.target_position),
             1 => self.turn(self.target_velocity),
+            2 => self.apply_torque(self.kept_value(AxisParameter::TorqueTargetCurrent))?,
             _ => return Err(Refused::NotAvailable),
         }
         Ok(())
@@ -186,7 +201,7 @@ impl Tmcm1311 {
     }
 
     /// The largest velocity of what the ramp is doing now.
-    fn top_velocity_pps(&self) -> i32 {
+    pub(super) fn top_velocity_pps(&self) -> i32 {
         if self.search.is_some() {
             self.search_pace().switch_pps
         } else {
@@ -195,7 +210,7 @@ impl Tmcm1311 {
     }
 
     /// AP 15: 3 A RMS in 32 steps, half of it with VSENSE set (AP 179).
-    fn max_possible_current_ma(&self) -> i32 {
+    pub(super) fn max_possible_current_ma(&self) -> i32 {
         let steps = self.kept_value(AxisParameter::MaxCurrent) / 8 + 1;
         (FULL_SCALE_MA * steps / 32) >> self.kept_value(AxisParameter::Vsense).clamp(0, 1)
     }
@@ -204,14 +219,18 @@ impl Tmcm1311 {
     fn status_word(&self) -> i32 {
         let bits = [
             (0, self.is_position_reached()),
+            (1, self.is_velocity_reached()),
+            (2, self.closed().is_some()),
             (3, self.mode == RampMode::Position),
             (4, self.mode == RampMode::Velocity),
+            (5, self.mode == RampMode::Torque),
             (6, self.is_home_switch_active()),
             (7, self.is_left_switch_active()),
             (8, self.is_right_switch_active()),
             (9, self.sensed.supply_voltage_dv < UNDERVOLTAGE_DV),
             (10, self.sensed.supply_voltage_dv > OVERVOLTAGE_DV),
             (11, self.sensed.temperature_c >= OVERTEMPERATURE_C),
+            (12, self.is_holding()),
             (13, self.i2t.is_flagged()),
         ];
         bits.into_iter().fold(0, |word, (bit, set)| word | (i32::from(set) << bit))

@@ -13,6 +13,7 @@ impl Tmcm1311 {
         let mode = Mode::from_number(number).ok_or(Refused::InvalidValue)?;
         self.forget_deviation();
         self.end_standstill();
+        self.begin_motion();
         self.mode = RampMode::Position;
         self.search = Some(Search::new(mode));
         Ok(())
@@ -54,11 +55,22 @@ impl Tmcm1311 {
     fn finish_search(&mut self, distance: Option<i32>) {
         self.search = None;
         self.target_position = 0;
-        self.ramp.redefine_position(0);
-        self.ramp.set_goal(Goal::Position(0));
-        if let Some(distance) = distance {
-            self.kept.set(AxisParameter::EndSwitchDistance.index(), distance.saturating_abs());
+        match self.closed() {
+            // The encoder is as far from the new zero as the rotor is from the ramp.
+            Some(_) => self.set_encoder_counter(self.position_error().wrapping_neg()),
+            None => self.ramp.redefine_position(0),
         }
+        self.ramp.set_goal(Goal::Position(self.ramp_target()));
+        if let Some(distance) = distance {
+            let distance = self.in_user_steps(distance.saturating_abs());
+            self.kept.set(AxisParameter::EndSwitchDistance.index(), distance);
+        }
+    }
+
+    /// A way of the ramp in the unit of AP 0 and AP 1: in closed loop encoder steps.
+    fn in_user_steps(&self, steps: i32) -> i32 {
+        let counts = self.closed().and_then(|_| self.encoder_scale()).map(|scale| scale.counts(steps.into()));
+        counts.map_or(steps, |counts| i32::try_from(counts).unwrap_or(i32::MAX))
     }
 
     /// |AP 194| and |AP 195|; where they are 0, AP 4 and a quarter of it, if that is anything at all.

@@ -28,7 +28,7 @@ impl Tmcm1311 {
     }
 
     /// Whether a stop switch forbids motion in the direction of this sign.
-    fn is_blocked(&self, direction: i32) -> bool {
+    pub(super) fn is_blocked(&self, direction: i32) -> bool {
         let (active, disabled) = match direction.signum() {
             -1 => (self.is_left_switch_active(), AxisParameter::LeftLimitSwitchDisable),
             1 => (self.is_right_switch_active(), AxisParameter::RightLimitSwitchDisable),
@@ -41,11 +41,12 @@ impl Tmcm1311 {
     pub(super) fn allowed_goal(&self) -> Goal {
         let (goal, direction) = match self.mode {
             RampMode::Velocity => (Goal::Velocity(self.target_velocity), self.target_velocity),
+            RampMode::Torque => (Goal::Velocity(0), 0),
             // The shorter way round, as the ramp goes.
-            RampMode::Position => (
-                Goal::Position(self.target_position),
-                self.target_position.wrapping_sub(self.ramp.position()),
-            ),
+            RampMode::Position => {
+                let target = self.ramp_target();
+                (Goal::Position(target), target.wrapping_sub(self.ramp.position()))
+            }
         };
         if self.is_blocked(direction) { Goal::Velocity(0) } else { goal }
     }

@@ -57,7 +57,33 @@ impl Default for Ramp {
     }
 }
 
+/// An exact place on the ramp's axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    position: i32,
+    fraction: i64,
+}
+
 impl Ramp {
+    /// Exactly where it is.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        Place { position: self.position, fraction: self.fraction }
+    }
+
+    /// How far it went since then, in units of 1/[`UNITS_PER_STEP`].
+    #[must_use]
+    pub fn units_since(&self, then: Place) -> i64 {
+        let steps = i64::from(self.position.wrapping_sub(then.position));
+        steps * UNITS_PER_STEP + self.fraction - then.fraction
+    }
+
+    /// Turns at a velocity all at once, as if it always had.
+    pub fn set_velocity_pps(&mut self, velocity_pps: i32) {
+        self.velocity = i64::from(velocity_pps) * TICKS_PER_SECOND;
+        self.braking = false;
+    }
+
     /// Stops at once, whatever the limits, and stays where it is.
     pub fn halt(&mut self) {
         self.goal = Goal::Position(self.position);

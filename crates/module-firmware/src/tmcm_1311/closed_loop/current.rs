@@ -1,0 +1,82 @@
+//! How large the current is: as large as the position error needs it (TMCM-1311 §8.8; AP 113 to 123 and 236).
+
+use motion_control::closed_loop::current_scale::{self, CurrentScaleSettings};
+use motion_control::sine;
+
+use super::{AxisParameter, ClosedLoop, Operation, RampMode, Tmcm1311};
+
+/// Control periods in the unit of AP 120 and AP 121, 1 ms.
+const TICKS_PER_MS: u32 = crate::TICKS_PER_MS as u32;
+
+impl Tmcm1311 {
+    /// Brings the current scale on its way; it stays at 255 where AP 122 is 0, and where torque mode sets the current.
+    pub(super) fn regulate_current(&mut self) {
+        let regulated = self.kept_value(AxisParameter::CurrentScaleEnable) != 0 && !self.is_torque_driven();
+        let (error, settings) = (self.regulated_error(), self.current_settings());
+        let Some(closed) = self.closed_mut() else { return };
+        if regulated {
+            closed.current.tick(error, &settings);
+        } else {
+            closed.current.full();
+        }
+    }
+
+    /// The position error that the current depends on: in encoder steps, times AP 136 where AP 115 says so.
+    fn regulated_error(&self) -> u32 {
+        use AxisParameter as P;
+        let error = self.position_error().unsigned_abs();
+        let gain = match self.kept_value(P::CurrentScaleInput) {
+            0 => 1,
+            _ => self.kept_value(P::StandstillGain).unsigned_abs(),
+        };
+        error.saturating_mul(gain)
+    }
+
+    fn current_settings(&self) -> CurrentScaleSettings {
+        use AxisParameter as P;
+        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(u8::MAX);
+        let value = |parameter| self.kept_value(parameter).unsigned_abs();
+        CurrentScaleSettings {
+            minimum: byte(P::CurrentScaleMin),
+            maximum: byte(P::CurrentScaleMax),
+            lower_error: value(P::CurrentScaleLowerErrorLimit),
+            upper_error: value(P::CurrentScaleUpperErrorLimit),
+            increment: byte(P::CurrentScaleIncrement),
+            decrement: byte(P::CurrentScaleDecrement),
+            increment_ticks: value(P::CurrentScaleIncrementDelay).saturating_mul(TICKS_PER_MS),
+            decrement_ticks: value(P::CurrentScaleDecrementDelay).saturating_mul(TICKS_PER_MS),
+        }
+    }
+
+    /// Whether torque mode sets the current: not while it is held before a stop switch.
+    fn is_torque_driven(&self) -> bool {
+        self.search.is_none()
+            && self.mode == RampMode::Torque
+            && self.closed().is_some_and(|closed| !closed.torque_is_held)
+    }
+
+    /// The coil currents in 1/248 of the current scale.
+    pub(in super::super) fn coil_currents(&self) -> [i16; 2] {
+        let (a, b) = sine::vector(self.phase);
+        match &self.operation {
+            Operation::Open | Operation::Detecting(_) => [a, b],
+            Operation::Aligning { .. } => {
+                [a, b].map(|coil| current_scale::scaled(coil, self.alignment_current))
+            }
+            Operation::Closed(closed) if self.is_torque_driven() => {
+                [a, b].map(|coil| self.torque_part(closed, coil))
+            }
+            Operation::Closed(closed) => {
+                [a, b].map(|coil| current_scale::scaled(coil, closed.current.actual()))
+            }
+        }
+    }
+
+    /// The part of AP 15 that AP 19 is; never more than all of it.
+    fn torque_part(&self, closed: &ClosedLoop, coil: i16) -> i16 {
+        let largest_ma = self.max_possible_current_ma().max(1);
+        let current_ma = closed.torque.actual_ma().saturating_abs().min(largest_ma);
+        let doubled = 2 * i32::from(coil) * current_ma / largest_ma;
+        i16::try_from((doubled + doubled.signum()) / 2).unwrap_or(coil)
+    }
+}
