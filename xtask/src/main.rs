@@ -2,6 +2,7 @@
 #![allow(clippy::disallowed_methods, reason = "an edge: it runs programs and reads and writes files")]
 
 mod codegen;
+mod figures;
 mod layering;
 mod test;
 
@@ -18,7 +19,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Run everything that CI runs: format, lints, generated files, layers, tests, real clients, fuzz smoke runs
+    /// Run everything that CI runs: format, lints, generated files, figures, layers, tests, real clients, fuzz smoke runs
     Test {
         /// Only the steps whose name contains this
         #[arg(long)]
@@ -30,6 +31,12 @@ enum Chore {
         #[arg(long)]
         check: bool,
     },
+    /// Draw the figures of the documentation by examples/figures/figures.toml
+    Figures {
+        /// Fail where a figure is not what its run draws, and write nothing
+        #[arg(long)]
+        check: bool,
+    },
     /// Check that crates import only what ARCHITECTURE.md lets them
     Layering,
 }
@@ -37,9 +44,8 @@ enum Chore {
 fn main() -> std::process::ExitCode {
     let outcome = match Arguments::parse().chore {
         Chore::Test { only } => test::run(only.as_deref()),
-        Chore::Codegen { check } => {
-            codegen::run(if check { codegen::Mode::Check } else { codegen::Mode::Write })
-        }
+        Chore::Codegen { check } => codegen::run(mode(check)),
+        Chore::Figures { check } => figures::run(mode(check)),
         Chore::Layering => layering::run(),
     };
     match outcome {
@@ -49,6 +55,10 @@ fn main() -> std::process::ExitCode {
             std::process::ExitCode::FAILURE
         }
     }
+}
+
+fn mode(check: bool) -> codegen::Mode {
+    if check { codegen::Mode::Check } else { codegen::Mode::Write }
 }
 
 /// The folder of the workspace's `Cargo.toml`.

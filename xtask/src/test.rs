@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
-use crate::{codegen, layering, workspace_root};
+use crate::{codegen, figures, layering, workspace_root};
 
 /// A step: its name and what it does.
 type Step = (&'static str, fn() -> Result<()>);
@@ -20,6 +20,7 @@ const STEPS: &[Step] = &[
     ("doc tests", || cargo(&["test", "--workspace", "--doc"])),
     ("documentation", documentation),
     ("release build", || cargo(&["build", "--release"])),
+    ("figures", || figures::run(codegen::Mode::Check)),
     ("whole-system tests", || {
         let packages = ["--package", "motion-control", "--package", "virtual-bench"];
         cargo(&[&["test", "--profile", "system-tests"][..], &packages].concat())

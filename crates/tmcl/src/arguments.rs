@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
 use crate::module_name;
+use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
 
 #[derive(Parser)]
@@ -200,9 +201,19 @@ pub(crate) struct Recording {
     /// Write a sample every so often to a CSV file
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) trace: Option<PathBuf>,
-    /// Draw position, velocity, load and coil currents as an SVG file
+    /// Draw position, velocity, load and coil currents, or the panels you name, as an SVG file
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) plot: Option<PathBuf>,
+    /// Draw this instead, such as "Speed [rpm]: actual_velocity, physical.velocity_rpm as shaft"
+    /// (docs/plots.md); may be given several times
+    #[arg(long, value_name = "PANEL", value_parser = panel::parse)]
+    pub(crate) panel: Vec<PanelText>,
+    /// What stands above the plot
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) title: Option<String>,
+    /// Draw only what is from then on: 1.5s, 200ms
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub(crate) plot_from: Option<u64>,
     /// Time between samples: 500us, 1ms, 0.5s
     #[arg(long, value_name = "TIME", value_parser = interval)]
     pub(crate) every: Option<u64>,

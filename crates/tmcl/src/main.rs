@@ -12,6 +12,7 @@ mod bench_file;
 mod commands;
 mod exit;
 mod module_name;
+mod panel;
 mod plot;
 mod print;
 mod program;

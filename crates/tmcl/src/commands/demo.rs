@@ -59,7 +59,7 @@ pub(crate) fn run(options: &Demo) -> Outcome {
     let width = terminal_size::terminal_size().map_or(100, |(terminal_size::Width(width), _)| width.min(140));
     let colour =
         std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty());
-    print::text(&plot::terminal(&show.recorder.figure(&title), width, 50, colour))?;
+    print::text(&plot::terminal(&show.recorder.figure(&options.recording, &title), width, 50, colour))?;
     print::text("\n")?;
     print::table(["quantity", "value", "unit"], summary.rows().into_iter())?;
     if let Some(path) = &options.recording.plot {
@@ -161,7 +161,7 @@ impl Show {
             self.recorder.values(name).into_iter().fold(0.0_f64, |most, value| most.max(value.abs()))
         };
         let now = self.bench.physical(ModuleId(0));
-        let commanded: Vec<f64> = self.recorder.in_turns("actual_position").collect();
+        let commanded = self.recorder.commanded_turns(&self.bench);
         let physical = self.recorder.values("physical.rotor_turns");
         let apart = commanded.iter().zip(&physical).map(|(commanded, physical)| (commanded - physical).abs());
         let virtual_s = self.bench.time_ns() as f64 / 1e9;

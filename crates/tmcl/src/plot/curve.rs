@@ -1,5 +1,7 @@
 //! A curve on a screen: what of its samples must be drawn so that it looks as if all were.
 
+use std::collections::BTreeSet;
+
 /// A place on the screen, in pixels or dots: `x` to the right, `y` down.
 pub(super) type Point = (f64, f64);
 
@@ -11,6 +13,31 @@ const BAND: usize = 1500;
 pub(super) fn thinned(points: impl Iterator<Item = Point>, tolerance: f64) -> Vec<Point> {
     let points: Vec<Point> = points.collect();
     corners(&points, tolerance).unwrap_or_else(|| outline(&points))
+}
+
+/// The lines that stand for a curve that may go round many times, as a locus does: what is drawn already is not drawn again. To
+/// half a pixel, and then as [`thinned`].
+pub(super) fn retraced(points: impl Iterator<Item = Point>, tolerance: f64) -> Vec<Vec<Point>> {
+    let half = |value: f64| (value * 2.0).round() as i64;
+    let mut drawn = BTreeSet::new();
+    let mut pieces: Vec<Vec<Point>> = Vec::new();
+    let mut last = None;
+    for point in points {
+        let cell = (half(point.0), half(point.1));
+        let from = last.replace(cell);
+        if from == Some(cell) {
+            continue;
+        }
+        let start = from.unwrap_or(cell);
+        let is_new = drawn.insert((start.min(cell), start.max(cell)));
+        let place = |(x, y): (i64, i64)| (x as f64 / 2.0, y as f64 / 2.0);
+        match pieces.last_mut() {
+            Some(piece) if is_new && piece.last() == Some(&place(start)) => piece.push(place(cell)),
+            _ if is_new => pieces.push(vec![place(start), place(cell)]),
+            _ => {}
+        }
+    }
+    pieces.into_iter().map(|piece| corners(&piece, tolerance.max(0.5)).unwrap_or(piece)).collect()
 }
 
 /// Ramer, Douglas and Peucker: keep the ends, and of what is between them the farthest off, if it is too far off.
@@ -123,6 +150,15 @@ mod tests {
             let column = f64::from(column);
             assert_eq!(highest(&thin, column).to_bits(), highest(&points, column).to_bits());
         }
+    }
+
+    #[test]
+    fn a_way_gone_twice_is_drawn_once() {
+        let there_and_back = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (10.0, 0.0), (0.0, 0.0), (0.0, 5.0)];
+        let pieces = retraced(there_and_back.into_iter().chain(there_and_back), 0.1);
+        assert_eq!(pieces, [vec![(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)], vec![(0.0, 0.0), (0.0, 5.0)]]);
+        assert_eq!(retraced([(1.0, 2.0)].into_iter(), 0.1), [[(1.0, 2.0); 2]]);
+        assert!(retraced(std::iter::empty(), 0.1).is_empty());
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod terminal;
 
 pub(crate) use self::svg::svg;
 pub(crate) use self::terminal::terminal;
-pub(crate) use series::{Figure, Panel, Series, Style};
+pub(crate) use series::{Across, Figure, Panel, Series, Style};
 
 #[cfg(test)]
 mod tests {

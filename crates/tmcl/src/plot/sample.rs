@@ -9,7 +9,7 @@ fn series(name: &str, values: Vec<f64>, style: Style) -> Series {
 }
 
 fn panel(title: &str, unit: &str, series: Vec<Series>) -> Panel {
-    Panel { title: title.to_owned(), unit: unit.to_owned(), series }
+    Panel { title: title.to_owned(), unit: unit.to_owned(), across: None, series }
 }
 
 /// Two seconds in so many samples: half a second up to 60 rpm, one second there, half a second down.

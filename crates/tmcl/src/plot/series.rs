@@ -1,6 +1,6 @@
 //! What a plot shows.
 
-/// Panels one above the other over the same time.
+/// Panels one above the other, all over the same time but for those over a quantity of their own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Figure {
     /// Stands above all.
@@ -18,8 +18,19 @@ pub(crate) struct Panel {
     pub(crate) title: String,
     /// The unit of all its values, as "rpm"; empty for a bare number.
     pub(crate) unit: String,
+    /// What the curves are drawn over, if that is not time.
+    pub(crate) across: Option<Across>,
     /// The curves; later ones are drawn over earlier ones.
     pub(crate) series: Vec<Series>,
+}
+
+/// What lies to the right in a panel that is not over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Across {
+    /// Its unit.
+    pub(crate) unit: String,
+    /// Its name, and its value at each instant.
+    pub(crate) series: Series,
 }
 
 /// One curve.
@@ -40,6 +51,8 @@ pub(crate) enum Style {
     #[default]
     Solid,
     Dashed,
+    /// No line: the panel is shaded while the value is not 0.
+    Band,
 }
 
 impl Figure {
@@ -50,13 +63,40 @@ impl Figure {
 
     /// The lowest and the highest value of a panel that is drawn.
     pub(super) fn value_range(&self, panel: &Panel) -> Option<(f64, f64)> {
-        range(panel.series.iter().flat_map(|series| self.samples(series).map(|(_, value)| value)))
+        let lines = panel.series.iter().filter(|series| series.style != Style::Band);
+        range(lines.flat_map(|series| self.samples(panel, series).map(|(_, value)| value)))
     }
 
-    /// Instants and values of a curve, without those that cannot be drawn.
-    pub(super) fn samples<'a>(&'a self, series: &'a Series) -> impl Iterator<Item = (f64, f64)> + 'a {
-        let pairs = self.time_s.iter().copied().zip(series.values.iter().copied());
-        pairs.filter(|(time_s, value)| time_s.is_finite() && value.is_finite())
+    /// The range of what a panel is drawn over.
+    pub(super) fn across_range(&self, panel: &Panel) -> Option<(f64, f64)> {
+        let Some(across) = &panel.across else { return self.time_range() };
+        range(across.series.values.iter().copied())
+    }
+
+    /// What a panel is drawn over, mostly instants, and values of a curve, without those that cannot be drawn.
+    pub(super) fn samples<'a>(
+        &'a self,
+        panel: &'a Panel,
+        series: &'a Series,
+    ) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let across = panel.across.as_ref().map_or(&self.time_s, |across| &across.series.values);
+        let pairs = across.iter().copied().zip(series.values.iter().copied());
+        pairs.filter(|(across, value)| across.is_finite() && value.is_finite())
+    }
+
+    /// The spans of time in which a band is to be seen.
+    pub(super) fn spans(&self, panel: &Panel, band: &Series) -> Vec<(f64, f64)> {
+        let mut spans: Vec<(f64, f64)> = Vec::new();
+        let mut before = 0.0;
+        for (time_s, value) in self.samples(panel, band) {
+            match spans.last_mut() {
+                Some(span) if before != 0.0 => span.1 = time_s,
+                _ if value != 0.0 => spans.push((time_s, time_s)),
+                _ => {}
+            }
+            before = value;
+        }
+        spans
     }
 }
 
@@ -89,6 +129,16 @@ mod tests {
         assert_eq!(figure.value_range(&panel), Some((-2.0, 1.0)));
         assert_eq!(figure.time_range(), Some((0.0, 2.0)));
         assert_eq!(figure.value_range(&Panel::default()), None);
+    }
+
+    #[test]
+    fn a_band_lasts_until_the_value_is_0_again() {
+        let band =
+            Series { values: vec![0.0, 1.0, 2.0, 0.0, 0.0, 1.0], style: Style::Band, ..Series::default() };
+        let panel = Panel { series: vec![band.clone()], ..Panel::default() };
+        let figure = Figure { time_s: (0..6).map(f64::from).collect(), ..Figure::default() };
+        assert_eq!(figure.spans(&panel, &band), [(1.0, 3.0), (5.0, 5.0)]);
+        assert_eq!(figure.value_range(&panel), None, "it has no height");
     }
 
     #[test]

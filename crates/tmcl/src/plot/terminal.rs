@@ -29,16 +29,19 @@ enum Stroke {
     Solid,
     Dashed,
     Dotted,
+    /// No line, but shade.
+    Shade,
 }
 
 impl Stroke {
-    const ALL: [Self; 3] = [Self::Solid, Self::Dashed, Self::Dotted];
+    const LINES: [Self; 3] = [Self::Solid, Self::Dashed, Self::Dotted];
 
     fn sample(self) -> &'static str {
         match self {
             Self::Solid => "───",
             Self::Dashed => "╴╴╴",
             Self::Dotted => "···",
+            Self::Shade => "░░░",
         }
     }
 }
@@ -48,6 +51,7 @@ impl From<Style> for Stroke {
         match style {
             Style::Solid => Self::Solid,
             Style::Dashed => Self::Dashed,
+            Style::Band => Self::Shade,
         }
     }
 }
@@ -58,7 +62,9 @@ impl From<Style> for Stroke {
 pub(crate) fn terminal(figure: &Figure, width: u16, height: u16, colour: bool) -> String {
     let width = width.clamp(LEAST_WIDTH, MOST);
     let panels = u16::try_from(figure.panels.len()).unwrap_or(MOST).clamp(1, MOST);
-    let rows = (height.saturating_sub(3) / panels).saturating_sub(1).clamp(LEAST_PANEL, MOST / 4);
+    let axes = (1..=figure.panels.len()).filter(|panels| has_axis_below(figure, panels - 1)).count().max(1);
+    let axes = 2 * u16::try_from(axes).unwrap_or(MOST).min(panels);
+    let rows = (height.saturating_sub(1 + axes) / panels).saturating_sub(1).clamp(LEAST_PANEL, MOST / 4);
     let values: Vec<Axis> = figure
         .panels
         .iter()
@@ -66,20 +72,36 @@ pub(crate) fn terminal(figure: &Figure, width: u16, height: u16, colour: bool) -
         .map(|panel| Axis::new(figure.value_range(panel), 0.0, &panel.unit, usize::from(rows / 2)))
         .collect();
     let gutter = values.iter().map(Axis::label_width).max().unwrap_or(0).min(usize::from(width / 2)) as u16;
-    let time = Axis::new(figure.time_range(), 0.0, "s", usize::from((width - gutter) / 10));
-
-    let mut page = Buffer::empty(Rect::new(0, 0, width, 1 + panels * (rows + 1) + 2));
+    let mut page = Buffer::empty(Rect::new(0, 0, width, 1 + panels * (rows + 1) + axes));
     put(&mut page, 0, 0, &figure.title, bold());
     let mut area = Rect::new(gutter + 1, 2, width - gutter - 1, rows);
-    for (panel, value) in figure.panels.iter().zip(&values) {
+    for (index, (panel, value)) in figure.panels.iter().zip(&values).enumerate() {
+        let unit = panel.across.as_ref().map_or("s", |across| &across.unit);
+        let across = Axis::new(figure.across_range(panel), 0.0, unit, usize::from((width - gutter) / 10));
         let looks = looks(panel, colour);
         header(&mut page, area.y - 1, panel, value, &looks);
         value_axis(&mut page, area, value);
-        curves(&mut page, area, figure, panel, (&time, value), &looks);
+        curves(&mut page, area, figure, panel, (&across, value), &looks);
         area.y += rows + 1;
+        if has_axis_below(figure, index) {
+            axis_below(&mut page, area, &across);
+            area.y += 2;
+        }
     }
-    time_axis(&mut page, area, &time);
+    if figure.panels.is_empty() {
+        axis_below(
+            &mut page,
+            area,
+            &Axis::new(figure.time_range(), 0.0, "s", usize::from((width - gutter) / 10)),
+        );
+    }
     lines(&page, colour)
+}
+
+/// Panels over time that stand together share the axis below the last of them.
+fn has_axis_below(figure: &Figure, index: usize) -> bool {
+    let over_time = |index: usize| figure.panels.get(index).is_some_and(|panel| panel.across.is_none());
+    !over_time(index) || !over_time(index + 1)
 }
 
 fn looks(panel: &Panel, colour: bool) -> Vec<Look> {
@@ -87,8 +109,8 @@ fn looks(panel: &Panel, colour: bool) -> Vec<Look> {
     for (index, series) in panel.series.iter().enumerate() {
         let own = Stroke::from(series.style);
         let taken = |stroke: Stroke| looks.iter().any(|look| look.stroke == stroke);
-        let free = || Stroke::ALL.into_iter().find(|&stroke| !taken(stroke)).unwrap_or(own);
-        let stroke = if colour || !taken(own) { own } else { free() };
+        let free = || Stroke::LINES.into_iter().find(|&stroke| !taken(stroke)).unwrap_or(own);
+        let stroke = if colour || own == Stroke::Shade || !taken(own) { own } else { free() };
         looks.push(Look { stroke, colour: Color::Indexed(COLOURS[index % COLOURS.len()]) });
     }
     looks
@@ -98,6 +120,11 @@ fn header(page: &mut Buffer, y: u16, panel: &Panel, value: &Axis, looks: &[Look]
     let mut x = put(page, 0, y, &panel.title, bold());
     if !value.unit.is_empty() {
         x = put(page, x, y, &format!(" [{}]", value.unit), CellStyle::new());
+    }
+    if let (Some(across), Some(series)) = (&panel.across, panel.series.first()) {
+        let over = format!("   {} over {}", series.name, across.series.name);
+        put(page, x, y, &over, CellStyle::new());
+        return;
     }
     for (series, look) in panel.legend().iter().zip(looks) {
         x = put(page, x.saturating_add(3), y, look.stroke.sample(), CellStyle::new().fg(look.colour));
@@ -119,7 +146,7 @@ fn value_axis(page: &mut Buffer, area: Rect, value: &Axis) {
     }
 }
 
-fn time_axis(page: &mut Buffer, area: Rect, time: &Axis) {
+fn axis_below(page: &mut Buffer, area: Rect, time: &Axis) {
     let line = format!("└{}", "─".repeat(area.width.into()));
     put(page, area.x - 1, area.y - 1, &line, CellStyle::new());
     for (index, tick) in time.ticks.iter().enumerate() {
@@ -146,11 +173,12 @@ fn curves(
         (axes.0.fraction(time_s) * f64::from(right), axes.1.fraction(value) * f64::from(bottom))
     };
     let curves: Vec<Vec<Point>> =
-        panel.series.iter().map(|series| thinned(figure.samples(series).map(place), 0.1)).collect();
+        panel.series.iter().map(|series| thinned(figure.samples(panel, series).map(place), 0.1)).collect();
     if curves.iter().all(Vec::is_empty) {
         put(page, area.x + area.width / 2 - 5, area.y + area.height / 2, "no samples", CellStyle::new());
         return;
     }
+    shade(page, area, figure, panel, axes.0, looks);
     let paint = |context: &mut Context<'_>| {
         for (points, look) in curves.iter().zip(looks) {
             draw(context, points, *look);
@@ -160,12 +188,32 @@ fn curves(
     Canvas::default().x_bounds([0.0, bounds.0]).y_bounds([0.0, bounds.1]).paint(paint).render(area, page);
 }
 
+/// The bands, under the curves.
+fn shade(page: &mut Buffer, area: Rect, figure: &Figure, panel: &Panel, time: &Axis, looks: &[Look]) {
+    let column = |time_s: f64| (time.fraction(time_s) * f64::from(area.width - 1)).round() as u16;
+    for (series, look) in panel.series.iter().zip(looks).filter(|(series, _)| series.style == Style::Band) {
+        for (from, to) in figure.spans(panel, series) {
+            let (from, to) = (column(from.min(to)), column(from.max(to)));
+            for row in area.rows() {
+                put(
+                    page,
+                    area.x + from,
+                    row.y,
+                    &"░".repeat((to - from + 1).into()),
+                    CellStyle::new().fg(look.colour),
+                );
+            }
+        }
+    }
+}
+
 fn draw(context: &mut Context<'_>, points: &[Point], look: Look) {
     let pieces = match (look.stroke, points) {
         (_, &[only]) => vec![[only, only]],
         (Stroke::Solid, _) => points.windows(2).map(|pair| [pair[0], pair[1]]).collect(),
         (Stroke::Dashed, _) => dashes(points, 6.0, 4.0),
         (Stroke::Dotted, _) => dashes(points, 0.0, 3.0),
+        (Stroke::Shade, _) => Vec::new(),
     };
     for [from, to] in pieces {
         context.draw(&Line::new(from.0, from.1, to.0, to.1, look.colour));
@@ -227,8 +275,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::plot::Series;
     use crate::plot::sample::movement;
+    use crate::plot::{Across, Series};
 
     #[test]
     fn a_movement() {
@@ -245,6 +293,7 @@ mod tests {
         let panel = |title: &str, values: &[f64]| Panel {
             title: title.to_owned(),
             unit: "A".to_owned(),
+            across: None,
             series: vec![Series { name: "i".to_owned(), values: values.to_vec(), style: Style::Solid }],
         };
         let panels = vec![
@@ -278,13 +327,17 @@ mod tests {
             colour: bool,
         ) {
             let series = Series { name: name.clone(), values, style: Style::Dashed };
-            let panel = Panel { title: name.clone(), unit: name.clone(), series: vec![series.clone(), series] };
-            let figure = Figure { title: name, time_s, panels: vec![panel.clone(), panel] };
+            let band = Series { style: Style::Band, ..series.clone() };
+            let across = Some(Across { unit: name.clone(), series: series.clone() });
+            let series = vec![series.clone(), series, band];
+            let panel = Panel { title: name.clone(), unit: name.clone(), across: None, series };
+            let xy = Panel { across, ..panel.clone() };
+            let figure = Figure { title: name, time_s, panels: vec![panel.clone(), panel.clone(), xy, panel] };
             let text = anstream::adapter::strip_str(&terminal(&figure, width, height, colour)).to_string();
             for line in text.lines() {
                 prop_assert!(line.cell_width() <= width.max(LEAST_WIDTH), "{line}");
             }
-            prop_assert!(text.lines().count() <= usize::from(height.max(2 * (LEAST_PANEL + 1) + 3)));
+            prop_assert!(text.lines().count() <= usize::from(height.max(4 * (LEAST_PANEL + 1) + 7)));
         }
     }
 }

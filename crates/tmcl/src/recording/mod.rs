@@ -1,17 +1,21 @@
 //! What a run leaves behind: a trace in a CSV file, a plot, a figure for the terminal.
 
+mod drawing;
+mod units;
+
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use virtual_bench::{Bench, Trace};
+use virtual_bench::{Bench, ModuleId, Trace};
 
 use crate::arguments::Recording;
 use crate::exit::{Code, Failure};
-use crate::plot::{self, Figure, Panel, Series, Style};
+use crate::plot::{self, Figure};
+use drawing::{Drawing, prefixed};
 
 /// What is recorded when nothing is said.
-const COLUMNS: [&str; 15] = [
+const COLUMNS: [&str; 17] = [
     "actual_position",
     "physical.rotor_turns",
     "encoder_counter",
@@ -27,6 +31,8 @@ const COLUMNS: [&str; 15] = [
     "load_value",
     "microstep_resolution",
     "motor_full_steps",
+    "encoder_resolution",
+    "closed_loop_initialized",
 ];
 
 /// Samples kept for a plot; older ones go.
@@ -38,6 +44,7 @@ const CHUNK: usize = 256;
 /// Records a bench while it runs.
 pub(crate) struct Recorder {
     trace: Trace,
+    drawing: Drawing,
     written: usize,
     csv: Option<BufWriter<File>>,
     /// The first failure to write; there is no point in trying again.
@@ -47,17 +54,30 @@ pub(crate) struct Recorder {
 impl Recorder {
     /// A recorder of `bench` as the options say, a sample every `every_ns` unless they say otherwise.
     pub(crate) fn new(bench: &Bench, options: &Recording, every_ns: u64) -> Result<Self, Failure> {
-        let mut columns: Vec<String> = COLUMNS.iter().map(|name| prefixed(bench, name)).collect();
+        let drawing = Drawing::new(bench, &options.panel)
+            .map_err(|error| Failure::new(Code::Usage, format!("in --panel: {error}")))?;
+        let mut columns: Vec<String> =
+            COLUMNS.iter().map(|name| prefixed(bench, ModuleId(0), name)).collect();
         columns.extend(options.column.iter().cloned());
+        for name in drawing.columns() {
+            if !columns.iter().any(|column| column == name) {
+                columns.push(name.to_owned());
+            }
+        }
         let every_ns = options.every.unwrap_or(every_ns);
         let trace = Trace::new(bench, &columns, every_ns)
             .map_err(|error| Failure::new(Code::Usage, error.to_string()))?;
         let csv = options.trace.as_deref().map(|path| create(path, &trace)).transpose()?;
-        Ok(Self { trace, written: 0, csv, failure: None })
+        Ok(Self { trace, drawing, written: 0, csv, failure: None })
     }
 
     /// [`Recorder::new`] where the options name a file to record to.
     pub(crate) fn wanted(bench: &Bench, options: &Recording, every_ns: u64) -> Result<Option<Self>, Failure> {
+        let draws = !options.panel.is_empty() || options.title.is_some() || options.plot_from.is_some();
+        if draws && options.plot.is_none() {
+            let message = "--panel, --title and --plot-from say what to draw: add --plot FILE.svg";
+            return Err(Failure::new(Code::Usage, message));
+        }
         if options.trace.is_some() || options.plot.is_some() {
             return Self::new(bench, options, every_ns).map(Some);
         }
@@ -106,7 +126,7 @@ impl Recorder {
             return Err(Failure::new(Code::Usage, format!("cannot write the trace: {error}")));
         }
         if let Some(path) = &options.plot {
-            std::fs::write(path, plot::svg(&self.figure(title))).map_err(|error| {
+            std::fs::write(path, plot::svg(&self.figure(options, title))).map_err(|error| {
                 Failure::new(Code::Usage, format!("cannot write {}: {error}", path.display()))
             })?;
         }
@@ -123,81 +143,22 @@ impl Recorder {
         self.failure = self.failure.take().or(outcome.err());
     }
 
-    /// Commanded and physical position and velocity, load, and coil currents.
-    pub(crate) fn figure(&self, title: &str) -> Figure {
-        let turns = |name: &str, scale: f64| self.in_turns(name).map(|turns| turns * scale).collect();
-        let column = |name: &str| self.values(name);
-        let series = |name: &str, values: Vec<f64>, style| Series { name: name.to_owned(), values, style };
-        let panel = |title: &str, unit: &str, series| Panel {
-            title: title.to_owned(),
-            unit: unit.to_owned(),
-            series,
-        };
-        let solid = Style::Solid;
-        Figure {
-            title: title.to_owned(),
-            time_s: self.trace.times_ns().iter().map(|time_ns| *time_ns as f64 * 1e-9).collect(),
-            panels: vec![
-                panel(
-                    "Position",
-                    "turn",
-                    vec![
-                        series("physical", column("physical.rotor_turns"), solid),
-                        series("commanded", turns("actual_position", 1.0), Style::Dashed),
-                    ],
-                ),
-                panel(
-                    "Velocity",
-                    "rpm",
-                    vec![
-                        series("physical", column("physical.velocity_rpm"), solid),
-                        series("commanded", turns("actual_velocity", 60.0), Style::Dashed),
-                    ],
-                ),
-                panel(
-                    "Load",
-                    "Nm",
-                    vec![
-                        series("motor", column("physical.torque_nm"), solid),
-                        series("load", column("physical.load_nm"), Style::Dashed),
-                    ],
-                ),
-                panel(
-                    "Load angle",
-                    "°",
-                    vec![series("Load angle", column("physical.load_angle_deg"), solid)],
-                ),
-                panel(
-                    "Coil currents",
-                    "A",
-                    vec![
-                        series("A", column("physical.coil_a_a"), solid),
-                        series("B", column("physical.coil_b_a"), solid),
-                    ],
-                ),
-            ],
-        }
+    /// The panels that were asked for, or position and velocity, load, and coil currents. The title gives way to one that was
+    /// asked for.
+    pub(crate) fn figure(&self, options: &Recording, title: &str) -> Figure {
+        let title = options.title.as_deref().unwrap_or(title);
+        self.drawing.figure(&self.trace, title, options.plot_from.unwrap_or(0))
     }
 
-    /// A column that counts microsteps, in turns.
-    pub(crate) fn in_turns(&self, name: &str) -> impl Iterator<Item = f64> {
-        let steps = self.values("motor_full_steps").into_iter().zip(self.values("microstep_resolution"));
-        let per_turn = steps.map(|(full_steps, resolution)| full_steps * resolution.exp2());
-        self.values(name).into_iter().zip(per_turn).map(|(microsteps, per_turn)| microsteps / per_turn)
+    /// Where the first module says that its motor is, in turns.
+    pub(crate) fn commanded_turns(&self, bench: &Bench) -> Vec<f64> {
+        drawing::commanded_turns(bench, &self.trace)
     }
 
     /// The samples of a column by its name.
     pub(crate) fn values(&self, name: &str) -> Vec<f64> {
         let index = COLUMNS.iter().position(|column| *column == name);
         index.map(|index| self.trace.values(index).collect()).unwrap_or_default()
-    }
-}
-
-/// The first module's, by its name where the bench has several.
-fn prefixed(bench: &Bench, name: &str) -> String {
-    match bench.modules().count() {
-        0 | 1 => name.to_owned(),
-        _ => format!("{}.{name}", bench.name(virtual_bench::ModuleId(0)).unwrap_or("m1")),
     }
 }
 
