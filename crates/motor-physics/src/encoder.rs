@@ -84,14 +84,24 @@ impl EncoderConfig {
     fn disc(&self, turns: f64) -> i64 {
         let turned = turns - self.offset_turns;
         let turned = if self.inverted { -turned } else { turned };
-        libm::floor(turned * f64::from(self.counts_per_turn)) as i64
+        floor(turned * f64::from(self.counts_per_turn))
     }
 
     /// Whether the disc enters the index, one count wide, on its way.
     fn index_between(&self, before: i64, after: i64) -> bool {
-        let turn = |disc: i64| disc.div_euclid(i64::from(self.counts_per_turn.max(1)));
-        if after >= before { turn(after) > turn(before) } else { turn(before - 1) > turn(after - 1) }
+        let counts_per_turn = i64::from(self.counts_per_turn.max(1));
+        if after > before {
+            before.rem_euclid(counts_per_turn) + (after - before) >= counts_per_turn
+        } else {
+            (before - 1).rem_euclid(counts_per_turn) < before - after
+        }
     }
+}
+
+/// The whole number at or below `value`.
+fn floor(value: f64) -> i64 {
+    let towards_zero = value as i64;
+    towards_zero - i64::from(towards_zero as f64 > value)
 }
 
 /// The quarter period that lines A and B show: 00, 10, 11, 01 for 0 to 3.

@@ -16,6 +16,7 @@ pub struct Energy {
 
 /// Picojoules in a joule.
 const PJ_PER_J: f64 = 1e12;
+const J_PER_PJ: f64 = 1e-12;
 
 impl Energy {
     /// These amounts in joules, cut to whole picojoules: a watt for an hour loses less than 0.1 mJ by it.
@@ -46,5 +47,12 @@ impl Energy {
 /// An amount in joules.
 #[must_use]
 pub fn joules(picojoules: i64) -> f64 {
-    picojoules as f64 / PJ_PER_J
+    picojoules as f64 * J_PER_PJ
+}
+
+/// The average power of an amount within `dt_s`.
+#[must_use]
+#[inline]
+pub fn watts(picojoules: i64, dt_s: f64) -> f64 {
+    picojoules as f64 * (J_PER_PJ / dt_s)
 }

@@ -13,19 +13,27 @@ pub(crate) fn step<const N: usize>(
     let k2 = derivative(moved(state, k1, 0.5 * dt_s));
     let k3 = derivative(moved(state, k2, 0.5 * dt_s));
     let k4 = derivative(moved(state, k3, dt_s));
-    let mut next = state;
-    let slopes = k1.iter().zip(&k2).zip(k3.iter().zip(&k4));
-    for (value, ((k1, k2), (k3, k4))) in next.iter_mut().zip(slopes) {
-        *value += dt_s / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    }
-    next
+    moved(state, mean([k1, k2, k3, k4]), dt_s)
 }
 
-fn moved<const N: usize>(mut state: [f64; N], slope: [f64; N], dt_s: f64) -> [f64; N] {
+/// The state after `dt_s` of this slope.
+#[inline]
+pub(crate) fn moved<const N: usize>(mut state: [f64; N], slope: [f64; N], dt_s: f64) -> [f64; N] {
     for (value, slope) in state.iter_mut().zip(slope) {
         *value += dt_s * slope;
     }
     state
+}
+
+/// The mean over a step of what was found at its beginning, twice in its middle, and at its end: of the slopes, or of whatever
+/// else depends on nothing but the state.
+#[inline]
+pub(crate) fn mean<const N: usize>([first, second, third, fourth]: [[f64; N]; 4]) -> [f64; N] {
+    let mut mean = first;
+    for (((mean, second), third), fourth) in mean.iter_mut().zip(second).zip(third).zip(fourth) {
+        *mean = (*mean + 2.0 * (second + third) + fourth) * (1.0 / 6.0);
+    }
+    mean
 }
 
 #[cfg(test)]

@@ -4,11 +4,14 @@
 //! −Km·iA·sin θ + Km·iB·cos θ − Td·sin 4θ. At rest with a current vector at angle φ the rotor stands where θ = φ; it resists
 //! being pushed away until θ is 90° off.
 
+mod equations;
+mod step;
+
 use crate::Terminal;
 use crate::angle::{Direction, RotorAngle};
 use crate::energy::Energy;
-use crate::mechanics::{Friction, Mechanics};
-use crate::rk4;
+use crate::mechanics::Mechanics;
+use step::Reached;
 
 /// A stepper's datasheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,15 +42,6 @@ impl StepperParameters {
     }
 }
 
-/// Currents A and B, velocity, electrical angle, and the energies: electrical, copper, friction, load.
-type State = [f64; 8];
-
-/// How often friction may stop the shaft within a step; one that is stopped so often stands.
-const MAX_STOPS: usize = 4;
-
-/// Halvings of a step to find the instant of a stop: to 50 ns in 50 µs.
-const BISECTIONS: usize = 10;
-
 /// How far the rotor may turn, electrically, in a part of a step; and the most parts of a step.
 const PART_RAD: f64 = 0.5;
 const MAX_PARTS: f64 = 31.0;
@@ -60,12 +54,14 @@ const ANGLE_RESOLUTION_RAD: f64 = 1e-12;
 /// A stepper on its shaft.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stepper {
-    /// The datasheet.
-    pub parameters: StepperParameters,
+    parameters: StepperParameters,
+    /// Torque per ampere, and volts per rad/s.
+    motor_constant: f64,
     /// What turns, the rotor included.
     pub mechanics: Mechanics,
-    /// Where the rotor is.
-    pub angle: RotorAngle,
+    angle: RotorAngle,
+    /// That of `angle`, which is asked for often.
+    direction: Direction,
     /// How fast the shaft turns; positive to the right.
     pub velocity_rad_s: f64,
     /// Currents in coils A and B.
@@ -83,15 +79,29 @@ impl Stepper {
     #[must_use]
     pub fn new(parameters: StepperParameters, mechanics: Mechanics) -> Self {
         Self {
+            motor_constant: parameters.motor_constant(),
             parameters,
             mechanics,
             angle: RotorAngle::default(),
+            direction: Direction::of(0.0),
             velocity_rad_s: 0.0,
             currents_a: [0.0; 2],
             torque_nm: 0.0,
             energy: Energy::default(),
             step_energy: Energy::default(),
         }
+    }
+
+    /// The datasheet.
+    #[must_use]
+    pub fn parameters(&self) -> &StepperParameters {
+        &self.parameters
+    }
+
+    /// Where the rotor is.
+    #[must_use]
+    pub fn angle(&self) -> RotorAngle {
+        self.angle
     }
 
     /// Where the shaft is, in turns since 0.
@@ -103,21 +113,21 @@ impl Stepper {
     /// The voltages that the turning rotor induces in the coils.
     #[must_use]
     pub fn back_emf_v(&self) -> [f64; 2] {
-        let Direction { sine, cosine } = Direction::of(self.angle.electrical_rad());
-        let peak_v = self.parameters.motor_constant() * self.velocity_rad_s;
+        let Direction { sine, cosine } = self.direction;
+        let peak_v = self.motor_constant * self.velocity_rad_s;
         [-peak_v * sine, peak_v * cosine]
     }
 
     /// Average power taken from the power stage in the last step.
     #[must_use]
     pub fn electrical_power_w(&self, dt_s: f64) -> f64 {
-        crate::energy::joules(self.step_energy.electrical_pj) / dt_s
+        crate::energy::watts(self.step_energy.electrical_pj, dt_s)
     }
 
     /// Average heat in the windings in the last step.
     #[must_use]
     pub fn copper_power_w(&self, dt_s: f64) -> f64 {
-        crate::energy::joules(self.step_energy.copper_pj) / dt_s
+        crate::energy::watts(self.step_energy.copper_pj, dt_s)
     }
 
     /// Energy in the magnetic field and in the motion.
@@ -135,12 +145,12 @@ impl Stepper {
     pub fn advance(&mut self, terminals: [Terminal; 2], load_torque_nm: f64, dt_s: f64) -> bool {
         let before = (self.angle, self.velocity_rad_s, self.currents_a);
         let parts = self.parts(dt_s);
+        let part_s = if parts == 1 { dt_s } else { dt_s / f64::from(parts) };
         let mut energy = Energy::default();
         for _ in 0..parts {
             let voltages = self.voltages(terminals);
-            let next = self.stepped(voltages, load_torque_nm, dt_s / f64::from(parts));
-            self.settle(next, terminals, voltages);
-            energy = energy.plus(self.step_energy, 1);
+            let reached = self.stepped(voltages, load_torque_nm, part_s);
+            energy = energy.plus(self.settle(reached, terminals, voltages), 1);
         }
         self.step_energy = energy;
         self.energy = self.energy.plus(energy, 1);
@@ -154,56 +164,6 @@ impl Stepper {
         1 + (turned_rad / PART_RAD).min(MAX_PARTS) as u32
     }
 
-    /// The state after a step, which is cut where friction stops the shaft: put off to the end of the step, a change of its
-    /// direction would cost milliamperes.
-    fn stepped(&self, voltages: [Option<f64>; 2], load_torque_nm: f64, dt_s: f64) -> State {
-        let coefficients = self.coefficients(Direction::of(self.angle.electrical_rad()));
-        let [a, b] = self.currents_a;
-        // The angle is counted from where it is now.
-        let (mut state, mut left_s) = ([a, b, self.velocity_rad_s, 0.0, 0.0, 0.0, 0.0, 0.0], dt_s);
-        let integrated = |state, dt_s, friction| {
-            rk4::step(state, dt_s, |state| coefficients.derivative(state, voltages, load_torque_nm, friction))
-        };
-        for _ in 0..MAX_STOPS {
-            let friction =
-                self.mechanics.friction(velocity(state), coefficients.torque_at(state) + load_torque_nm);
-            let after = |dt_s| integrated(state, dt_s, friction);
-            let stops = |state| friction.would_drive(velocity(state));
-            let reached = after(left_s);
-            if !stops(reached) && !self.is_beyond_travel(reached) {
-                return reached;
-            }
-            let stop_s = first_time(left_s, |time_s| {
-                let state = after(time_s);
-                stops(state) || self.is_beyond_travel(state)
-            });
-            let there = after(stop_s);
-            state = if stops(there) { with_velocity(there, 0.0) } else { self.bounced(there) };
-            left_s -= stop_s;
-        }
-        integrated(state, left_s, Friction::Sticks)
-    }
-
-    /// Whether a state lies beyond an end of travel and leads further away.
-    fn is_beyond_travel(&self, state: State) -> bool {
-        let velocity_rad_s = velocity(state);
-        self.mechanics.within_travel(self.turns_in(state), velocity_rad_s).1 != velocity_rad_s
-    }
-
-    /// A state at an end of travel with the velocity turned round, and the energy that the end swallows counted as friction.
-    fn bounced(&self, state: State) -> State {
-        let (_, velocity_rad_s) = self.mechanics.within_travel(self.turns_in(state), velocity(state));
-        let swallowed_j =
-            self.mechanics.kinetic_j(velocity(state)) - self.mechanics.kinetic_j(velocity_rad_s);
-        let [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j, load_j] =
-            with_velocity(state, velocity_rad_s);
-        [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j + swallowed_j, load_j]
-    }
-
-    fn turns_in(&self, [_, _, _, turned_rad, ..]: State) -> f64 {
-        self.angle.advanced_to(self.angle.electrical_rad() + turned_rad).turns(self.parameters.pole_pairs)
-    }
-
     /// `steps` further steps like the last one, in which nothing changed: only energy goes on.
     pub fn rest(&mut self, steps: u64) {
         let steps = i64::try_from(steps).unwrap_or(i64::MAX);
@@ -213,7 +173,12 @@ impl Stepper {
     /// Lets the rotor slip by so many electrical periods, as if it had been pushed.
     pub fn slip(&mut self, electrical_periods: f64) {
         let angle = self.angle.electrical_rad() + electrical_periods * core::f64::consts::TAU;
-        self.angle = self.angle.advanced_to(angle);
+        self.place(self.angle.advanced_to(angle));
+    }
+
+    fn place(&mut self, angle: RotorAngle) {
+        self.angle = angle;
+        self.direction = Direction::of(angle.electrical_rad());
     }
 
     /// What stands across the coils; `None` across a coil that carries nothing and is not driven.
@@ -225,36 +190,20 @@ impl Stepper {
 
     /// Torque between rotor and stator, as things stand.
     fn torque(&self) -> f64 {
-        let direction = Direction::of(self.angle.electrical_rad());
-        self.coefficients(direction).torque(self.currents_a, direction)
+        let detent_torque_nm = self.parameters.detent_torque_nm;
+        equations::torque_nm(self.motor_constant, detent_torque_nm, self.currents_a, self.direction)
     }
 
-    fn coefficients(&self, start: Direction) -> Coefficients {
-        Coefficients {
-            start,
-            motor_constant: self.parameters.motor_constant(),
-            detent_torque_nm: self.parameters.detent_torque_nm,
-            resistance_ohm: self.parameters.resistance_ohm,
-            per_inductance: 1.0 / self.parameters.inductance_h,
-            per_inertia: 1.0 / self.mechanics.inertia_kgm2,
-            viscous_nm_s_per_rad: self.mechanics.viscous_nm_s_per_rad,
-            pole_pairs: self.parameters.pole_pairs,
-        }
-    }
-
-    /// Takes over what the integrator found, but for what friction, hard stops and diodes do not allow.
-    fn settle(&mut self, next: State, terminals: [Terminal; 2], voltages: [Option<f64>; 2]) {
-        let [a, b, velocity, turned_rad, electrical_j, copper_j, friction_j, load_j] = next;
-        let kinetic_before_j = self.mechanics.kinetic_j(velocity);
-        let reached = self.angle.advanced_to(self.angle.electrical_rad() + turned_rad);
-        let turns = reached.turns(self.parameters.pole_pairs);
-        let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, velocity);
-        let swallowed_j = kinetic_before_j - self.mechanics.kinetic_j(allowed_velocity);
+    /// Takes over what the integrator found, but for what friction, hard stops and diodes do not allow. Returns where the
+    /// energy went.
+    fn settle(&mut self, reached: Reached, terminals: [Terminal; 2], voltages: [Option<f64>; 2]) -> Energy {
+        let Reached { state: [a, b, velocity, turned_rad], work } = reached;
+        let angle = self.angle.advanced_to(self.angle.electrical_rad() + turned_rad);
+        let (allowed_angle, allowed_velocity) = self.within_travel(angle, velocity);
+        let swallowed_j = self.mechanics.kinetic_j(velocity) - self.mechanics.kinetic_j(allowed_velocity);
         let angle_moved = libm::fabs(turned_rad) > ANGLE_RESOLUTION_RAD;
-        if allowed_turns != turns {
-            self.angle = RotorAngle::from_turns(allowed_turns, self.parameters.pole_pairs);
-        } else if angle_moved {
-            self.angle = reached;
+        if angle_moved || allowed_angle != angle {
+            self.place(allowed_angle);
         }
         if libm::fabs(allowed_velocity - self.velocity_rad_s) > VELOCITY_RESOLUTION_RAD_S {
             self.velocity_rad_s = allowed_velocity;
@@ -267,94 +216,21 @@ impl Stepper {
         self.currents_a =
             [settled_current(at_a, across_a, before_a, a), settled_current(at_b, across_b, before_b, b)];
         self.torque_nm = self.torque();
-        self.step_energy = Energy::from_joules(electrical_j, copper_j, friction_j + swallowed_j, load_j);
-    }
-}
-
-/// What stays the same within a step.
-struct Coefficients {
-    /// Where the rotor is at its beginning.
-    start: Direction,
-    motor_constant: f64,
-    detent_torque_nm: f64,
-    resistance_ohm: f64,
-    per_inductance: f64,
-    per_inertia: f64,
-    viscous_nm_s_per_rad: f64,
-    pole_pairs: f64,
-}
-
-impl Coefficients {
-    /// Rates of change of (iA, iB, ω, θ) and of the energies (electrical, copper, friction, load); θ counts from `start`.
-    fn derivative(
-        &self,
-        [a, b, velocity, turned_rad, ..]: State,
-        [voltage_a, voltage_b]: [Option<f64>; 2],
-        load_torque_nm: f64,
-        friction: Friction,
-    ) -> State {
-        let direction = self.start.turned(turned_rad);
-        let peak_emf_v = self.motor_constant * velocity;
-        let slope = |voltage_v: Option<f64>, current_a: f64, emf_v: f64| {
-            voltage_v.map_or(0.0, |voltage_v| {
-                (voltage_v - self.resistance_ohm * current_a - emf_v) * self.per_inductance
-            })
-        };
-        let driving_nm = self.torque([a, b], direction) + load_torque_nm;
-        let viscous_nm = self.viscous_nm_s_per_rad * velocity;
-        let (acceleration, friction_w) = match friction {
-            Friction::Sticks => (0.0, 0.0),
-            Friction::Acts(friction_nm) => (
-                (driving_nm + friction_nm - viscous_nm) * self.per_inertia,
-                velocity * (viscous_nm - friction_nm),
-            ),
-        };
-        [
-            slope(voltage_a, a, -peak_emf_v * direction.sine),
-            slope(voltage_b, b, peak_emf_v * direction.cosine),
-            acceleration,
-            self.pole_pairs * velocity,
-            voltage_a.unwrap_or(0.0) * a + voltage_b.unwrap_or(0.0) * b,
-            self.resistance_ohm * (a * a + b * b),
-            friction_w,
-            -load_torque_nm * velocity,
-        ]
+        work.swallowing(swallowed_j).energy()
     }
 
-    /// Torque between rotor and stator in a state.
-    fn torque_at(&self, [a, b, _, turned_rad, ..]: State) -> f64 {
-        self.torque([a, b], self.start.turned(turned_rad))
-    }
-
-    /// Torque between rotor and stator.
-    fn torque(&self, [a, b]: [f64; 2], Direction { sine, cosine }: Direction) -> f64 {
-        // sin 4θ = 4 sin θ cos θ (cos²θ − sin²θ)
-        let detent = 4.0 * sine * cosine * (cosine * cosine - sine * sine);
-        self.motor_constant * (b * cosine - a * sine) - self.detent_torque_nm * detent
-    }
-}
-
-/// The state with the shaft at another velocity.
-fn with_velocity([a, b, _, turned_rad, electrical, copper, friction, load]: State, velocity: f64) -> State {
-    [a, b, velocity, turned_rad, electrical, copper, friction, load]
-}
-
-fn velocity([_, _, velocity, ..]: State) -> f64 {
-    velocity
-}
-
-/// The first time at which `holds`, which holds at `latest_s`.
-fn first_time(latest_s: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    let (mut before_s, mut after_s) = (0.0, latest_s);
-    for _ in 0..BISECTIONS {
-        let middle_s = 0.5 * (before_s + after_s);
-        if holds(middle_s) {
-            after_s = middle_s;
-        } else {
-            before_s = middle_s;
+    /// Where the rotor is and how fast it moves once the ends of travel have had their say.
+    fn within_travel(&self, angle: RotorAngle, velocity_rad_s: f64) -> (RotorAngle, f64) {
+        if self.mechanics.hard_stops.is_none() {
+            return (angle, velocity_rad_s);
         }
+        let pole_pairs = self.parameters.pole_pairs;
+        let turns = angle.turns(pole_pairs);
+        let (allowed_turns, allowed_velocity) = self.mechanics.within_travel(turns, velocity_rad_s);
+        let allowed =
+            if allowed_turns == turns { angle } else { RotorAngle::from_turns(allowed_turns, pole_pairs) };
+        (allowed, allowed_velocity)
     }
-    after_s
 }
 
 /// The voltage across a coil: what drives it, or the bus against what current is left.

@@ -60,6 +60,8 @@ pub(crate) struct StepperBench {
     /// The current vector that the firmware commands.
     coils: [i16; 2],
     load_nm: f64,
+    /// Whether the motor moved in the last control period, or its currents changed.
+    moved: bool,
 }
 
 /// What is set from outside and stays until it is set again.
@@ -87,11 +89,12 @@ impl Hardware for StepperBench {
     }
 
     fn advance(&mut self, drive: &Drive, until_ns: u64) -> bool {
-        let before = (self.chip, self.supply, self.sensed);
+        // The rest is not looked at while the motor moves: it cannot rest before that does.
+        let before = (!self.moved).then_some((self.chip, self.supply, self.sensed));
         let terminals = self.chip.advance(&registers(drive), &self.pins(), PERIOD_S);
         let terminals = self.interrupted(terminals);
         self.load_nm = self.load.at(self.motor.turns(), seconds(self.time_ns));
-        let moved = self.motor.advance(terminals, self.load_nm, PERIOD_S);
+        self.moved = self.motor.advance(terminals, self.load_nm, PERIOD_S);
         self.supply.advance(self.board_w() + self.motor.electrical_power_w(PERIOD_S), PERIOD_S);
         self.coils = drive.coils;
         self.time_ns = until_ns;
@@ -99,7 +102,8 @@ impl Hardware for StepperBench {
         self.pulses.advance();
         self.sense();
         // Pulses are events: the next period has others, even if as many.
-        moved || self.sensed.steps != 0 || before != (self.chip, self.supply, self.sensed)
+        let pulsed = self.sensed.steps != 0;
+        self.moved || pulsed || before != Some((self.chip, self.supply, self.sensed))
     }
 
     fn rest(&mut self, periods: u64, until_ns: u64) {
@@ -138,7 +142,7 @@ impl Hardware for StepperBench {
 
 impl StepperBench {
     fn pins(&self) -> Pins {
-        let parameters = &self.motor.parameters;
+        let parameters = self.motor.parameters();
         Pins {
             currents_a: self.motor.currents_a,
             back_emf_v: self.motor.back_emf_v(),
@@ -182,7 +186,7 @@ impl StepperBench {
         let copper_w = motor_physics::energy::joules(copper_pj - self.heat_from_pj) / seconds(HEAT_NS);
         self.heat_from_pj = copper_pj;
         self.winding.advance(copper_w, seconds(HEAT_NS));
-        let bridge_w = copper_w * BRIDGE_OHM / self.motor.parameters.resistance_ohm;
+        let bridge_w = copper_w * BRIDGE_OHM / self.motor.parameters().resistance_ohm;
         self.board.advance(self.board_w() + bridge_w, seconds(HEAT_NS));
     }
 
@@ -195,7 +199,7 @@ impl StepperBench {
     fn load_angle_deg(&self) -> f64 {
         match self.coils.map(f64::from) {
             [0.0, 0.0] => 0.0,
-            [a, b] => wrapped(libm::atan2(b, a) - self.motor.angle.electrical_rad()).to_degrees(),
+            [a, b] => wrapped(libm::atan2(b, a) - self.motor.angle().electrical_rad()).to_degrees(),
         }
     }
 

@@ -80,8 +80,8 @@ impl Run {
             back_emf_v: self.motor.back_emf_v(),
             rotor_velocity_rps: self.motor.velocity_rad_s / TAU,
             bus_voltage_v: self.supply.bus_voltage_v(),
-            resistance_ohm: self.motor.parameters.resistance_ohm,
-            inductance_h: self.motor.parameters.inductance_h,
+            resistance_ohm: self.motor.parameters().resistance_ohm,
+            inductance_h: self.motor.parameters().inductance_h,
             temperature_c: 25.0,
             coil_faults: [CoilFault::None; 2],
         }

@@ -150,7 +150,7 @@ fn globals_enum(tables: &Tables) -> String {
         let _ = write!(text, "Self::{},", camel(&entry.id));
     }
     text += "];\n\n/// How many there are.\npub const COUNT: usize = Self::ALL.len();\n\n\
-         /// Its place among them, less than [`Self::COUNT`].\n#[must_use] pub const fn index(self) -> usize { self as usize }\n\n\
+         /// Its place among them, less than [`Self::COUNT`].\n#[must_use] #[inline] pub const fn index(self) -> usize { self as usize }\n\n\
          /// Its bank and number.\n#[must_use] pub const fn address(self) -> (u8, u8) { match self {\n";
     for ((bank, number), entry) in &globals {
         let _ = writeln!(text, "Self::{} => ({bank}, {number}),", camel(&entry.id));
@@ -176,7 +176,7 @@ fn module_file(tables: &Tables, module: &Module) -> String {
         let _ = writeln!(text, "Self::{} => &AXIS_PARAMETERS[{index}],", camel(&entry.id));
     }
     text += "} }\n\n/// How many there are.\npub const COUNT: usize = Self::ALL.len();\n\n\
-        /// Its place among them, less than [`Self::COUNT`].\n#[must_use] pub const fn index(self) -> usize { match self {\n";
+        /// Its place among them, less than [`Self::COUNT`].\n#[must_use] #[inline] pub const fn index(self) -> usize { match self {\n";
     for (index, entry) in module.axis.iter().enumerate() {
         let _ = writeln!(text, "Self::{} => {index},", camel(&entry.id));
     }

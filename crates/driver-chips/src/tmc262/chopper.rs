@@ -29,5 +29,5 @@ pub(super) fn terminal(
 fn wanted_v(target_a: f64, coil: CoilPins, pins: &Pins, period_s: f64) -> f64 {
     let change_a = target_a - coil.current_a;
     let mean_a = (target_a + coil.current_a) / 2.0;
-    pins.resistance_ohm * mean_a + coil.back_emf_v + pins.inductance_h * change_a / period_s
+    pins.resistance_ohm * mean_a + coil.back_emf_v + pins.inductance_h / period_s * change_a
 }

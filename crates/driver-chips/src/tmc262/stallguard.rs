@@ -79,7 +79,10 @@ impl Measurement {
         self.window.samples = self.window.samples.saturating_add(1);
         self.window.velocity_sum_rps += pins.rotor_velocity_rps * f64::from(command.direction);
         // The pins show the beginning of the period, where the coils carry what was commanded for the one before.
-        self.window.freedom_sum += freedom(command.before, pins) * headroom(peak_current_a, pins);
+        let freedom = freedom(command.before, pins);
+        if freedom > 0.0 {
+            self.window.freedom_sum += freedom * headroom(peak_current_a, pins);
+        }
         reading
     }
 }
@@ -117,9 +120,15 @@ fn freedom(vector: [i16; 2], pins: &Pins) -> f64 {
 /// How well the regulator can do its work, 0 to 1, with what back-EMF and resistance leave of the supply.
 fn headroom(peak_current_a: f64, pins: &Pins) -> f64 {
     let [e_a, e_b] = pins.back_emf_v;
-    let left_v =
-        pins.bus_voltage_v - libm::sqrt(e_a * e_a + e_b * e_b) - peak_current_a * pins.resistance_ohm;
-    if left_v <= 0.0 { 0.0 } else { (left_v / (HEADROOM * pins.bus_voltage_v)).min(1.0) }
+    let squared_v2 = e_a * e_a + e_b * e_b;
+    let needed_v = HEADROOM * pins.bus_voltage_v;
+    let driven_v = pins.bus_voltage_v - peak_current_a * pins.resistance_ohm;
+    // Most motors have enough, which takes no root to see.
+    if driven_v > needed_v && squared_v2 < (driven_v - needed_v) * (driven_v - needed_v) {
+        return 1.0;
+    }
+    let left_v = driven_v - libm::sqrt(squared_v2);
+    if left_v <= 0.0 { 0.0 } else { (left_v / needed_v).min(1.0) }
 }
 
 fn quadrant([a, b]: [i16; 2]) -> u8 {

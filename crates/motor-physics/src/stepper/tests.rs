@@ -61,7 +61,7 @@ fn the_holding_torque_is_the_datasheets_and_breaks_at_90_degrees() {
         motor.currents_a = vector(rated_peak_a(&motor), 0.0);
         let torque_at = |degrees: f64| {
             let mut pushed = motor.clone();
-            pushed.angle = RotorAngle::default().advanced_to(degrees.to_radians());
+            pushed.place(RotorAngle::default().advanced_to(degrees.to_radians()));
             -pushed.torque()
         };
         assert!((torque_at(90.0) / parameters.holding_torque_nm - 1.0).abs() < 1e-9, "{name}");
@@ -95,7 +95,7 @@ fn ringing_hz(parameters: StepperParameters) -> f64 {
     let mut motor = with_friction(parameters, 0.0, 0.0);
     let wanted = vector(rated_peak_a(&motor), 0.0);
     motor.currents_a = wanted;
-    motor.angle = RotorAngle::default().advanced_to(0.05);
+    motor.place(RotorAngle::default().advanced_to(0.05));
     let (dt_s, mut crossings, mut before) = (5e-6, [0.0; 2], 0.05);
     let mut found: i32 = 0;
     for step in 1..200_000 {

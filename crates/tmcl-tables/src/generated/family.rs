@@ -249,6 +249,7 @@ impl GlobalParameter {
 
     /// Its place among them, less than [`Self::COUNT`].
     #[must_use]
+    #[inline]
     pub const fn index(self) -> usize {
         self as usize
     }

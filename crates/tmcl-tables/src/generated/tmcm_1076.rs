@@ -154,6 +154,7 @@ impl AxisParameter {
 
     /// Its place among them, less than [`Self::COUNT`].
     #[must_use]
+    #[inline]
     pub const fn index(self) -> usize {
         match self {
             Self::MaxCurrent => 0,

@@ -579,6 +579,7 @@ impl AxisParameter {
 
     /// Its place among them, less than [`Self::COUNT`].
     #[must_use]
+    #[inline]
     pub const fn index(self) -> usize {
         match self {
             Self::TargetPosition => 0,

@@ -41,6 +41,7 @@ impl StepperBench {
             sensed: Sensed::default(),
             coils: [0, 0],
             load_nm: 0.0,
+            moved: false,
         };
         bench.sense();
         bench

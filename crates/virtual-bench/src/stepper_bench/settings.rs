@@ -19,7 +19,7 @@ impl Surroundings for StepperBench {
         match setting {
             Setting::LoadTorqueNm(torque_nm) => self.load = LoadTorque::Constant(torque_nm),
             Setting::LoadInertiaKgm2(inertia_kgm2) => {
-                self.motor.mechanics.inertia_kgm2 = self.motor.parameters.rotor_inertia_kgm2 + inertia_kgm2;
+                self.motor.mechanics.inertia_kgm2 = self.motor.parameters().rotor_inertia_kgm2 + inertia_kgm2;
             }
             Setting::LoadFrictionNm(friction_nm) => self.motor.mechanics.friction_nm = friction_nm,
             Setting::Input { number, high } => {
