@@ -26,6 +26,7 @@ mod program_memory;
 mod ring;
 mod storage;
 pub mod tmcm_1311;
+pub mod tmcm_1640;
 mod values;
 
 pub use application::{Halted, Refusal};
