@@ -10,7 +10,7 @@
 //! 5. *Return* slowly to what was measured last: the new zero.
 //!
 //! Both instants that count are seen at constant speed and in opposite directions, so that whatever the rotor lags behind
-//! its field by cancels. An instant is the first sample that differs from a steady level; what bounces afterwards does not
+//! its field by cancels; where the axis is measured, it does not matter in the first place. An instant is the first sample that differs from a steady level; what bounces afterwards does not
 //! matter.
 //!
 //! This module must never know parameter numbers or TMCL, how switches are wired, or what moves the axis.
@@ -135,7 +135,7 @@ impl Search {
             Phase::Enter => self.enter(seen),
             Phase::Onto => self.settle_onto(),
             Phase::Leave { released } => self.leave(seen, released, before),
-            Phase::Cross => self.cross(),
+            Phase::Cross => self.cross(seen),
             Phase::EnterBack => self.enter_back(seen),
             Phase::Return { zero } if seen.standing && seen.position == zero => {
                 let distance = self.right.map(|right| right.wrapping_sub(zero));
@@ -183,7 +183,7 @@ impl Search {
 
     fn seek(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.found = seen.position;
+            self.found = seen.measured;
             self.begin_stop(false);
         } else if self.meets_stop(seen.switches) {
             self.begin_stop(true);
@@ -212,7 +212,7 @@ impl Search {
     /// So far before the place where it was found it is off on the near side, even when it overran a narrow switch.
     fn clear(&mut self, seen: &Seen, pace: &Pace) {
         let clearance = i64::from(pace.switch_pps / CLEARANCES_PER_SECOND);
-        if self.direction.beyond(seen.position, self.found) > -clearance {
+        if self.direction.beyond(seen.measured, self.found) > -clearance {
             self.contact.ticks = 0;
         } else if self.contact.is_steady(false) {
             self.phase = Phase::Enter;
@@ -221,7 +221,7 @@ impl Search {
 
     fn enter(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.entered = seen.position;
+            self.entered = seen.measured;
             self.phase = match self.leg.place {
                 Place::Edge => Phase::Onto,
                 Place::Middle => Phase::Cross,
@@ -246,25 +246,27 @@ impl Search {
         let entered_again = self.contact.active && before.is_steady(false);
         let released = match released {
             _ if self.contact.is_steady(true) || entered_again => None,
-            None if !self.contact.active => Some(seen.position),
+            None if !self.contact.active => Some(seen.measured),
             noted => noted,
         };
         self.phase = Phase::Leave { released };
-        let off = self.direction.beyond(seen.position, self.entered) < 0;
+        let off = self.direction.beyond(seen.measured, self.entered) < 0;
         if let Some(released) = released.filter(|_| off && self.contact.is_steady(false)) {
             self.conclude(midway(self.entered, released));
         }
     }
 
-    fn cross(&mut self) {
-        if self.contact.is_steady(false) {
+    /// Off where it was entered is not across: the rotor swings.
+    fn cross(&mut self, seen: &Seen) {
+        let across = self.direction.beyond(seen.measured, self.entered) > 0;
+        if across && self.contact.is_steady(false) {
             self.phase = Phase::EnterBack;
         }
     }
 
     fn enter_back(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.conclude(midway(self.entered, seen.position));
+            self.conclude(midway(self.entered, seen.measured));
         }
     }
 
