@@ -148,9 +148,9 @@ mod current {
             pulse(&mut axis, TURN / 2, TURN);
             let scale = axis.gap(Ap::ActualCurrentScale);
             if mode == 1 {
-                assert!(scale <= 200)
+                assert!(scale <= 200);
             } else {
-                assert_eq!(scale, 255)
+                assert_eq!(scale, 255);
             }
             // With AP 254 = 0 as without it ever.
             axis.run_ms(500);
@@ -454,9 +454,9 @@ mod stops {
             assert!((axis.turns() - stopped).abs() < 4.0 / 200.0, "{} turns", axis.turns() - stopped);
             let flows = amplitude_a(&axis);
             if limit < 0 {
-                assert!(flows < 0.001, "{flows} A")
+                assert!(flows < 0.001, "{flows} A");
             } else {
-                assert_flows(&axis, 255, "AP 212 > 0")
+                assert_flows(&axis, 255, "AP 212 > 0");
             }
             axis.set("step_dir.frequency_hz", 0);
             axis.sap(Ap::StepDirMode, 2);

@@ -56,7 +56,7 @@ impl Tmcm1311 {
             return Ok(());
         }
         self.require_obedience()?;
-        if !self.in_step_dir_mode() && (self.ramp_drives() || !self.is_standing_still()) {
+        if !self.in_step_dir_mode() && !self.is_standing_still() {
             return Err(Refused::InvalidValue);
         }
         self.begin_motion();
@@ -68,12 +68,6 @@ impl Tmcm1311 {
         self.forget_deviation();
         self.end_standstill();
         Ok(())
-    }
-
-    /// Whether the ramp moves, or is about to. Torque mode and a stop that switched the current off leave it out.
-    fn ramp_drives(&self) -> bool {
-        let is_idle = self.closed().is_some() && (self.mode == RampMode::Torque || self.switched_off);
-        !is_idle && !self.ramp.is_settled(&self.limits())
     }
 
     /// What only the ramp could do.

@@ -133,9 +133,9 @@ impl Search {
             Phase::Stop { turn } => self.stop(seen, turn),
             Phase::Clear => self.clear(seen, pace),
             Phase::Enter => self.enter(seen),
-            Phase::Onto => self.settle_onto(),
+            Phase::Onto => self.settle_onto(seen, pace),
             Phase::Leave { released } => self.leave(seen, released, before),
-            Phase::Cross => self.cross(seen),
+            Phase::Cross => self.cross(seen, pace),
             Phase::EnterBack => self.enter_back(seen),
             Phase::Return { zero } if seen.standing && seen.position == zero => {
                 let distance = self.right.map(|right| right.wrapping_sub(zero));
@@ -211,8 +211,7 @@ impl Search {
 
     /// So far before the place where it was found it is off on the near side, even when it overran a narrow switch.
     fn clear(&mut self, seen: &Seen, pace: &Pace) {
-        let clearance = i64::from(pace.switch_pps / CLEARANCES_PER_SECOND);
-        if self.direction.beyond(seen.measured, self.found) > -clearance {
+        if self.direction.beyond(seen.measured, self.found) > -clearance(pace) {
             self.contact.ticks = 0;
         } else if self.contact.is_steady(false) {
             self.phase = Phase::Enter;
@@ -233,10 +232,10 @@ impl Search {
     }
 
     /// On it for certain; or through it, when it is very narrow, and then its middle has to do.
-    fn settle_onto(&mut self) {
+    fn settle_onto(&mut self, seen: &Seen, pace: &Pace) {
         if self.contact.is_steady(true) {
             self.phase = Phase::Leave { released: None };
-        } else if self.contact.is_steady(false) {
+        } else if self.is_across(seen, pace) {
             self.phase = Phase::EnterBack;
         }
     }
@@ -256,12 +255,19 @@ impl Search {
         }
     }
 
-    /// Off where it was entered is not across: the rotor swings.
-    fn cross(&mut self, seen: &Seen) {
-        let across = self.direction.beyond(seen.measured, self.entered) > 0;
-        if across && self.contact.is_steady(false) {
+    fn cross(&mut self, seen: &Seen, pace: &Pace) {
+        if self.is_across(seen, pace) {
             self.phase = Phase::EnterBack;
         }
+    }
+
+    /// Whether the switch was left on the far side. Off where it was entered is not across: the rotor swings.
+    fn is_across(&mut self, seen: &Seen, pace: &Pace) -> bool {
+        let beyond = self.direction.beyond(seen.measured, self.entered);
+        if !self.contact.active && beyond <= clearance(pace) {
+            self.contact.ticks = 0;
+        }
+        self.contact.is_steady(false)
     }
 
     fn enter_back(&mut self, seen: &Seen) {
@@ -302,6 +308,11 @@ impl Search {
             }
         }
     }
+}
+
+/// How far from a place the axis is well clear of it, in steps.
+fn clearance(pace: &Pace) -> i64 {
+    i64::from(pace.switch_pps / CLEARANCES_PER_SECOND)
 }
 
 /// Half-way from `a` to `b`, the shorter way round, rounded towards `a`.
