@@ -83,6 +83,11 @@ impl ClosedLoop {
         self.leads.forget_field();
     }
 
+    /// How far the ramp is ahead of the rotor, in µsteps.
+    pub(super) fn ramp_lead(&self) -> i64 {
+        self.leads.ramp()
+    }
+
     /// How far the ramp is ahead of the rotor, in µsteps, and would be, had it not given way to an overload.
     pub(super) fn shortfall(&self) -> i64 {
         self.leads.shortfall()
