@@ -152,11 +152,16 @@ impl Ramp {
     /// Whether another tick would change nothing.
     #[must_use]
     pub fn is_settled(&self, limits: &Limits) -> bool {
-        let stays = match self.goal {
+        self.is_at_rest(limits) && !self.changing
+    }
+
+    /// Whether it stands, and its goal leaves it there.
+    #[must_use]
+    pub fn is_at_rest(&self, limits: &Limits) -> bool {
+        match self.goal {
             Goal::Position(_) => self.is_on_target() || (self.is_standing() && limits.max_velocity_pps == 0),
             Goal::Velocity(_) => self.is_standing() && self.commanded_speed(limits) == 0,
-        };
-        stays && !self.changing
+        }
     }
 
     /// One control period: changes the velocity within the limits and moves by the mean of the old and the new one.

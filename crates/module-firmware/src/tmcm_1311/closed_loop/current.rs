@@ -24,10 +24,12 @@ impl Tmcm1311 {
         }
     }
 
-    /// The position error that the current depends on: in encoder steps, times AP 136 where AP 115 says so.
+    /// The position error that the current depends on: in encoder steps, times AP 136 where AP 115 says so. A ramp that gives
+    /// way to an overload makes the error no smaller, or an encoder of few counts would never get the whole current (decision).
     fn regulated_error(&self) -> u32 {
         use AxisParameter as P;
-        let error = self.position_error().unsigned_abs();
+        let error = self.closed().map_or(0, |closed| closed.rotor.counts_to(closed.shortfall()));
+        let error = u32::try_from(error.unsigned_abs()).unwrap_or(u32::MAX);
         let gain = match self.kept_value(P::CurrentScaleInput) {
             0 => 1,
             _ => self.kept_value(P::StandstillGain).unsigned_abs(),

@@ -52,6 +52,8 @@ pub(super) struct ClosedLoop {
     torque_is_held: bool,
     /// Standstill mode (§8.5): the target is reached.
     holds: bool,
+    /// What standstill mode took over from the move before it, in 1/20 µstep.
+    carried: i64,
     /// It was pushed out of standstill mode, and is on its way back.
     recovers: bool,
     /// For how many control periods the motor has been within AP 134 of the target.
@@ -69,6 +71,7 @@ impl ClosedLoop {
             torque: TorqueRamp::new(),
             torque_is_held: false,
             holds: false,
+            carried: 0,
             recovers: false,
             in_window: 0,
         }
@@ -85,7 +88,13 @@ impl ClosedLoop {
         self.leads.ramp()
     }
 
+    /// How far the ramp is ahead of the rotor, in µsteps, and would be, had it not given way to an overload.
+    pub(super) fn shortfall(&self) -> i64 {
+        self.leads.shortfall()
+    }
+
     fn stop_holding(&mut self) {
+        self.leads.forget_overload();
         self.holds = false;
         self.recovers = false;
         self.in_window = 0;
@@ -207,7 +216,11 @@ impl Tmcm1311 {
         Correction {
             proportional: value(P::CorrectionVelocityP),
             max_following_error: left_alone,
-            max_velocity_pps: self.largest_driven_pps().max(value(P::MaxCorrectionVelocity)),
+            // The ramp may come from a faster mode, and has to brake.
+            max_velocity_pps: self
+                .largest_driven_pps()
+                .max(value(P::MaxCorrectionVelocity))
+                .max(self.ramp.velocity_pps().unsigned_abs()),
         }
     }
 
