@@ -166,7 +166,7 @@ impl Ramp {
 
     /// One control period: changes the velocity within the limits and moves by the mean of the old and the new one.
     ///
-    /// Constant work: at most seven looks at the braking distance, each of four 128-bit products.
+    /// Constant work: at most seven looks at the braking distance, each of two products of 128 bits.
     pub fn tick(&mut self, limits: &Limits) {
         let before = self.velocity;
         match self.goal {
