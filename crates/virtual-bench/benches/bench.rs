@@ -32,6 +32,16 @@ fn turning(turns_per_s: i32) -> Bench {
     bench
 }
 
+/// A brushless motor that turns at 2000 rpm, its ramp over.
+fn brushless() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640));
+    send(&mut bench, Command::RotateRight, 0, 2000);
+    bench.advance_by(3 * SECOND_NS);
+    let velocity_rpm = bench.physical(MODULE).velocity_rpm;
+    assert!((1900.0..2100.0).contains(&velocity_rpm), "{velocity_rpm} rpm");
+    bench
+}
+
 fn bench(c: &mut Criterion) {
     let mut second = |name: &str, bench: &Bench| {
         c.bench_function(name, |b| {
@@ -44,6 +54,7 @@ fn bench(c: &mut Criterion) {
     second("bench/1 s moving at 1 turn/s", &turning(1));
     let moving = turning(5);
     second("bench/1 s moving at 5 turns/s", &moving);
+    second("bench/1 s of a brushless motor at 2000 rpm", &brushless());
     c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 
