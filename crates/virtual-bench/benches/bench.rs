@@ -58,6 +58,16 @@ fn closed_loop_after(command: Command, kind: u8, value: i32) -> Bench {
     bench
 }
 
+/// A brushless motor that turns at 2000 rpm, its ramp over.
+fn brushless() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640));
+    send(&mut bench, Command::RotateRight, 0, 2000);
+    bench.advance_by(3 * SECOND_NS);
+    let velocity_rpm = bench.physical(MODULE).velocity_rpm;
+    assert!((1900.0..2100.0).contains(&velocity_rpm), "{velocity_rpm} rpm");
+    bench
+}
+
 fn bench(c: &mut Criterion) {
     let mut second = |name: &str, bench: &Bench| {
         c.bench_function(name, |b| {
@@ -76,6 +86,7 @@ fn bench(c: &mut Criterion) {
     second("bench/1 s closed loop at 5 turns/s", &closed_loop_after(Command::RotateRight, 0, 5 * TURN));
     let torque = AxisParameter::TorqueTargetCurrent.number();
     second("bench/1 s closed loop with 300 mA", &closed_loop_after(Command::SetAxisParameter, torque, 300));
+    second("bench/1 s of a brushless motor at 2000 rpm", &brushless());
     c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 
