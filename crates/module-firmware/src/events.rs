@@ -9,6 +9,8 @@ use tmcl_vm::ErrorFlag;
 use crate::TICKS_PER_MS;
 use crate::axis::Axis;
 use crate::firmware::Firmware;
+use crate::jobs::Job;
+use crate::storage::RecordKey;
 
 /// The bank that configures interrupts.
 const INTERRUPT_BANK: u8 = 3;
@@ -20,6 +22,10 @@ pub struct Events {
     pub stall_stop: bool,
     /// It was stopped because the encoder deviates.
     pub deviation_stop: bool,
+    /// Its driver began to report an error.
+    pub alarm: bool,
+    /// This axis parameter is to be stored.
+    pub store: Option<u8>,
 }
 
 /// A timer interrupt.
@@ -152,6 +158,14 @@ impl<A: Axis> Firmware<A> {
         if events.deviation_stop {
             self.vm.set_error(ErrorFlag::Deviation);
             self.vm.raise(Interrupt::Deviation.number());
+        }
+        if events.alarm {
+            self.vm.set_error(ErrorFlag::ExternalAlarm);
+        }
+        if let Some(number) = events.store
+            && let Ok(parameter) = A::Parameter::try_from(number)
+        {
+            self.upkeep = Some(Job::Write(RecordKey::Axis(number), self.axis.get(parameter)));
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::dispatch::{Origin, Outcome, POSITION_REACHED_MASK};
 use crate::download::Download;
 use crate::events::{Events, Sources};
 use crate::globals::Globals;
-use crate::jobs::Pending;
+use crate::jobs::{Job, Pending};
 use crate::port::{Envelope, PORTS, Port, PortId};
 
 /// A module.
@@ -32,6 +32,8 @@ pub struct Firmware<A: Axis> {
     pub(crate) ticks: u64,
     pub(crate) ports: [Port; PORTS],
     pub(crate) pending: Option<Pending>,
+    /// What the axis keeps by itself.
+    pub(crate) upkeep: Option<Job>,
 }
 
 impl<A: Axis> Firmware<A> {
@@ -52,6 +54,7 @@ impl<A: Axis> Firmware<A> {
             ticks: 0,
             ports: [const { Port::new() }; PORTS],
             pending: None,
+            upkeep: None,
         }
     }
 

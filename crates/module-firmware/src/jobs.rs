@@ -62,6 +62,9 @@ impl<A: Axis> Firmware<A> {
             self.work(pending, storage);
         } else if let Some(job) = self.program_job.take() {
             self.work_for_program(job, storage);
+        } else if let Some(job) = self.upkeep.take() {
+            // A medium that takes no more has nobody to tell.
+            let _ = self.step(job, storage);
         }
         if !self.has_background_work() {
             PortId::ALL.into_iter().for_each(|port| self.serve(port));
@@ -74,7 +77,7 @@ impl<A: Axis> Firmware<A> {
     /// Whether [`Firmware::background`] has something to do.
     #[must_use]
     pub fn has_background_work(&self) -> bool {
-        self.pending.is_some() || self.program_job.is_some()
+        self.pending.is_some() || self.program_job.is_some() || self.upkeep.is_some()
     }
 
     fn work<S: Storage>(&mut self, pending: Pending, storage: &mut S) {

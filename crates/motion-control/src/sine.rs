@@ -9,15 +9,16 @@ pub const PERIOD: u16 = 1024;
 /// setting").
 pub const AMPLITUDE: i16 = 248;
 
-const QUARTER: usize = 256;
+/// Steps of a quarter wave.
+pub(crate) const QUARTER: usize = 256;
 
 /// Fractional bits of the recurrence that builds the table.
 const FRACTION: u32 = 60;
 
-/// sin(k·π/512)·[`AMPLITUDE`] for k = 0…256, by the exact recurrence s(k+1) = 2·cos(π/512)·s(k) − s(k−1).
-static QUARTER_WAVE: [i16; QUARTER + 1] = quarter_wave();
+static QUARTER_WAVE: [i16; QUARTER + 1] = quarter_wave(AMPLITUDE);
 
-const fn quarter_wave() -> [i16; QUARTER + 1] {
+/// sin(k·π/512)·`amplitude` for k = 0…256, by the exact recurrence s(k+1) = 2·cos(π/512)·s(k) − s(k−1).
+pub(crate) const fn quarter_wave(amplitude: i16) -> [i16; QUARTER + 1] {
     // π/512 in 60 fractional bits; its sine and cosine by their series, three terms being far below one unit of i16.
     const STEP: i128 = 7_074_237_752_028_440; // round(π/512 · 2^60)
     let square = (STEP * STEP) >> FRACTION;
@@ -28,7 +29,7 @@ const fn quarter_wave() -> [i16; QUARTER + 1] {
     let (mut previous, mut present) = (0_i128, sine);
     let mut index = 1;
     while index <= QUARTER {
-        let scaled = (present * AMPLITUDE as i128 + (one >> 1)) >> FRACTION;
+        let scaled = (present * amplitude as i128 + (one >> 1)) >> FRACTION;
         #[expect(
             clippy::indexing_slicing,
             reason = "evaluated at compile time: out of range would not compile"

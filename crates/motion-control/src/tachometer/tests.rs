@@ -5,6 +5,7 @@ use std::vec::Vec;
 use proptest::prelude::*;
 
 use super::*;
+use crate::closed_loop::tachometer::Tachometer;
 
 /// Speeds and phases of the ideal encoder are in parts of a count.
 const COUNT: i64 = 1 << 20;
