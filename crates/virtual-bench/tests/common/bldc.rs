@@ -38,7 +38,7 @@ pub(crate) fn current_ma(torque: f64) -> f64 {
 /// What the bench calls what breaks.
 pub(crate) mod fault {
     /// Each sticks at `"low"` or `"high"`.
-    pub(crate) const HALLS: [&str; 3] = ["fault.hall_h1", "fault.hall_h2", "fault.hall_h3"];
+    pub(crate) const HALLS: [&str; 3] = ["fault.hall_1", "fault.hall_2", "fault.hall_3"];
     /// A phase, `"u"`, that is shorted to ground: the TMC603 reports it.
     pub(crate) const PHASE_SHORT: &str = "fault.phase_short";
     /// What the NTC of §8 measures.
