@@ -1,6 +1,7 @@
-//! Motor driver chips as silicon: registers and pins in, coil voltages and status out.
+//! Motor driver chips as silicon: registers and pins in, voltages across the windings and status out.
 //!
 //! - [`tmc262`]: the two-phase stepper driver of the TMCM-1311.
+//! - [`tmc603`]: the three-phase pre-driver of the TMCM-1640, with its bridge.
 //!
 //! A chip is averaged over a chopper period: what its regulator and its diagnostics do is here, the switching itself is not.
 //! This crate must never know TMCL, firmware, parameter numbers, or control laws outside the silicon: a sign error made on
@@ -9,3 +10,4 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 pub mod tmc262;
+pub mod tmc603;

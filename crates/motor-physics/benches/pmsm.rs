@@ -15,7 +15,7 @@ fn second(motor: &mut Pmsm, load_nm: f64, bridge: impl Fn(&Pmsm) -> Bridge) {
 }
 
 fn commutated(motor: &Pmsm) -> Bridge {
-    let (sine, cosine) = libm::sincos(motor.angle.electrical_rad());
+    let (sine, cosine) = libm::sincos(motor.angle().electrical_rad());
     Bridge::Driven { voltage_alpha_beta_v: [-10.0 * sine, 10.0 * cosine] }
 }
 

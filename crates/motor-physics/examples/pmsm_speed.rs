@@ -27,7 +27,7 @@ fn at_rest() -> Pmsm {
 /// A step in which the voltage stands across the magnets on average.
 fn advance(motor: &mut Pmsm) {
     let ahead_rad = 0.5 * motor.parameters.pole_pairs * motor.velocity_rad_s * DT_S;
-    let (sine, cosine) = libm::sincos(motor.angle.electrical_rad() + ahead_rad);
+    let (sine, cosine) = libm::sincos(motor.angle().electrical_rad() + ahead_rad);
     let voltage_alpha_beta_v = [-VOLTAGE_Q_V * sine, VOLTAGE_Q_V * cosine];
     motor.advance(Bridge::Driven { voltage_alpha_beta_v }, 0.0, DT_S);
 }

@@ -44,6 +44,37 @@ impl Energy {
     }
 }
 
+/// Where the energy went in a step: into the windings, as heat in them, into friction, against the load.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Work {
+    pub(crate) electrical_j: f64,
+    pub(crate) copper_j: f64,
+    pub(crate) friction_j: f64,
+    pub(crate) load_j: f64,
+}
+
+impl Work {
+    /// Both.
+    pub(crate) fn plus(self, more: Self) -> Self {
+        Self {
+            electrical_j: self.electrical_j + more.electrical_j,
+            copper_j: self.copper_j + more.copper_j,
+            friction_j: self.friction_j + more.friction_j,
+            load_j: self.load_j + more.load_j,
+        }
+    }
+
+    /// With what an end of travel swallows, which counts as friction.
+    pub(crate) fn swallowing(self, swallowed_j: f64) -> Self {
+        Self { friction_j: self.friction_j + swallowed_j, ..self }
+    }
+
+    /// The same in whole picojoules.
+    pub(crate) fn energy(self) -> Energy {
+        Energy::from_joules(self.electrical_j, self.copper_j, self.friction_j, self.load_j)
+    }
+}
+
 /// An amount in joules.
 #[must_use]
 pub fn joules(picojoules: i64) -> f64 {

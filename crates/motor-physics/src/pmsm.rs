@@ -13,6 +13,7 @@
 mod bridge;
 mod currents;
 mod diodes;
+mod equations;
 mod frame;
 mod shaft;
 mod step;
@@ -20,11 +21,11 @@ mod step;
 pub use bridge::Bridge;
 
 use crate::angle::{Direction, RotorAngle};
-use crate::energy::{Energy, joules};
-use crate::mechanics::{Friction, Mechanics};
-use bridge::{Connection, Rails};
-use currents::CurrentSlopes;
-use frame::{SQRT_3, dot, phases_of};
+use crate::energy::{Energy, Work, watts};
+use crate::mechanics::Mechanics;
+use bridge::Rails;
+use equations::State;
+use frame::{SQRT_3, phases_of};
 
 /// A brushless motor's datasheet, as a star of three phases.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,16 +81,6 @@ const CURRENT_RESOLUTION_A: f64 = 1e-9;
 const VELOCITY_RESOLUTION_RAD_S: f64 = 1e-9;
 const ANGLE_RESOLUTION_RAD: f64 = 1e-12;
 
-/// What acts on the shaft from outside during a step.
-#[derive(Clone, Copy)]
-struct Outside {
-    load_torque_nm: f64,
-    friction: Friction,
-}
-
-/// (id, iq, ω, θ) and the energies (electrical, copper, friction, load) since the step began.
-type State = [f64; 8];
-
 /// A brushless motor on its shaft.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pmsm {
@@ -97,8 +88,9 @@ pub struct Pmsm {
     pub parameters: PmsmParameters,
     /// What turns, the rotor included.
     pub mechanics: Mechanics,
-    /// Where the rotor is.
-    pub angle: RotorAngle,
+    angle: RotorAngle,
+    /// That of `angle`, which is asked for often.
+    direction: Direction,
     /// How fast the shaft turns; positive to the right.
     pub velocity_rad_s: f64,
     /// Current along the magnets, amplitude.
@@ -123,6 +115,7 @@ impl Pmsm {
             parameters,
             mechanics,
             angle: RotorAngle::default(),
+            direction: Direction::of(0.0),
             velocity_rad_s: 0.0,
             current_d_a: 0.0,
             current_q_a: 0.0,
@@ -131,6 +124,12 @@ impl Pmsm {
             step_energy: Energy::default(),
             rails: [0; 3],
         }
+    }
+
+    /// Where the rotor is.
+    #[must_use]
+    pub fn angle(&self) -> RotorAngle {
+        self.angle
     }
 
     /// Where the shaft is, in turns since 0.
@@ -142,7 +141,7 @@ impl Pmsm {
     /// The currents into phases U, V and W.
     #[must_use]
     pub fn phase_currents_a(&self) -> [f64; 3] {
-        phases_of(Direction::of(self.angle.electrical_rad()).to_stator([self.current_d_a, self.current_q_a]))
+        phases_of(self.direction.to_stator([self.current_d_a, self.current_q_a]))
     }
 
     /// The voltage that the turning magnets induce between two terminals, amplitude.
@@ -155,13 +154,13 @@ impl Pmsm {
     /// Average power taken from the power stage in the last step.
     #[must_use]
     pub fn electrical_power_w(&self, dt_s: f64) -> f64 {
-        joules(self.step_energy.electrical_pj) / dt_s
+        watts(self.step_energy.electrical_pj, dt_s)
     }
 
     /// Average heat in the windings in the last step.
     #[must_use]
     pub fn copper_power_w(&self, dt_s: f64) -> f64 {
-        joules(self.step_energy.copper_pj) / dt_s
+        watts(self.step_energy.copper_pj, dt_s)
     }
 
     /// Energy in the magnetic field and in the motion.
@@ -176,11 +175,8 @@ impl Pmsm {
     /// A step with the bridge held and `load_torque_nm` from outside. Returns whether anything but time changed.
     pub fn advance(&mut self, bridge: Bridge, load_torque_nm: f64, dt_s: f64) -> bool {
         let before = (self.angle, self.velocity_rad_s, self.current_d_a, self.current_q_a);
-        let electrical_rad = self.angle.electrical_rad();
-        let start =
-            [self.current_d_a, self.current_q_a, self.velocity_rad_s, electrical_rad, 0.0, 0.0, 0.0, 0.0];
-        let next = self.stepped(start, bridge, load_torque_nm, dt_s);
-        self.settle(next);
+        let (state, work) = self.stepped(bridge, load_torque_nm, dt_s);
+        self.settle(state, work);
         self.energy = self.energy.plus(self.step_energy, 1);
         before != (self.angle, self.velocity_rad_s, self.current_d_a, self.current_q_a)
     }
@@ -191,37 +187,17 @@ impl Pmsm {
         self.energy = self.energy.plus(self.step_energy, steps);
     }
 
-    /// Rates of change, with the d axis pointing along `rotor`.
-    fn derivative(&self, state: State, rotor: Direction, connection: Connection, outside: Outside) -> State {
-        let [d, q, velocity, ..] = state;
-        let slopes = CurrentSlopes::new(&self.parameters, [d, q], velocity);
-        let voltage = slopes.voltage(connection, rotor);
-        let [slope_d, slope_q] = voltage.map_or([0.0; 2], |voltage| slopes.under(voltage));
-        let torque = self.parameters.torque_nm(d, q);
-        let friction_power = match outside.friction {
-            Friction::Sticks => 0.0,
-            Friction::Acts(friction_nm) => {
-                velocity * (self.mechanics.viscous_nm_s_per_rad * velocity - friction_nm)
-            }
-        };
-        [
-            slope_d,
-            slope_q,
-            self.mechanics.acceleration(velocity, torque + outside.load_torque_nm, outside.friction),
-            self.parameters.pole_pairs * velocity,
-            1.5 * dot(voltage.unwrap_or_default(), [d, q]),
-            1.5 * self.parameters.resistance_ohm * (d * d + q * q),
-            friction_power,
-            -outside.load_torque_nm * velocity,
-        ]
+    /// Puts the rotor elsewhere, as if it had always been there.
+    pub fn place(&mut self, angle: RotorAngle) {
+        self.angle = angle;
+        self.direction = Direction::of(angle.electrical_rad());
     }
 
     /// Takes over what the integrator found, but for changes too small to matter.
-    fn settle(&mut self, next: State) {
-        let [d, q, velocity, angle, electrical_j, copper_j, friction_j, load_j] = next;
-        let angle_moved = libm::fabs(angle - self.angle.electrical_rad()) > ANGLE_RESOLUTION_RAD;
+    fn settle(&mut self, [d, q, velocity, turned_rad]: State, work: Work) {
+        let angle_moved = libm::fabs(turned_rad) > ANGLE_RESOLUTION_RAD;
         if angle_moved {
-            self.angle = self.angle.advanced_to(angle);
+            self.place(self.angle.advanced_to(self.angle.electrical_rad() + turned_rad));
         }
         let velocity_rad_s = settled(self.velocity_rad_s, velocity, VELOCITY_RESOLUTION_RAD_S);
         let rests = !angle_moved && velocity_rad_s == self.velocity_rad_s;
@@ -229,7 +205,7 @@ impl Pmsm {
         self.current_d_a = settled(self.current_d_a, d, CURRENT_RESOLUTION_A);
         self.current_q_a = settled(self.current_q_a, q, CURRENT_RESOLUTION_A);
         self.torque_nm = self.parameters.torque_nm(self.current_d_a, self.current_q_a);
-        self.step_energy = Energy::from_joules(electrical_j, copper_j, friction_j, load_j);
+        self.step_energy = work.energy();
     }
 }
 

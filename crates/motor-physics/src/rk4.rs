@@ -3,19 +3,6 @@
 //! One step a control period is enough: winding time constants are milliseconds, the period is 50 µs, and voltages are held
 //! within it, so that nothing inside a step is stiff or jumps.
 
-/// The state after `dt_s`, with `derivative` giving its rate of change.
-pub(crate) fn step<const N: usize>(
-    state: [f64; N],
-    dt_s: f64,
-    derivative: impl Fn([f64; N]) -> [f64; N],
-) -> [f64; N] {
-    let k1 = derivative(state);
-    let k2 = derivative(moved(state, k1, 0.5 * dt_s));
-    let k3 = derivative(moved(state, k2, 0.5 * dt_s));
-    let k4 = derivative(moved(state, k3, dt_s));
-    moved(state, mean([k1, k2, k3, k4]), dt_s)
-}
-
 /// The state after `dt_s` of this slope.
 #[inline]
 pub(crate) fn moved<const N: usize>(mut state: [f64; N], slope: [f64; N], dt_s: f64) -> [f64; N] {
@@ -39,6 +26,14 @@ pub(crate) fn mean<const N: usize>([first, second, third, fourth]: [[f64; N]; 4]
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn step(state: [f64; 2], dt_s: f64, derivative: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
+        let k1 = derivative(state);
+        let k2 = derivative(moved(state, k1, 0.5 * dt_s));
+        let k3 = derivative(moved(state, k2, 0.5 * dt_s));
+        let k4 = derivative(moved(state, k3, dt_s));
+        moved(state, mean([k1, k2, k3, k4]), dt_s)
+    }
 
     #[test]
     fn an_oscillator_keeps_its_energy_to_fifth_order() {

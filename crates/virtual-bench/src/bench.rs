@@ -1,10 +1,12 @@
 //! The bench: modules that share a clock, the wires between them, and what happens to them when.
 
 use module_firmware::tmcm_1311::Tmcm1311;
+use module_firmware::tmcm_1640::Tmcm1640;
 use module_firmware::{PortId, RecordKey, Storage, Vm};
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::TICK_NS;
+use crate::bldc_bench::BldcBench;
 use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire};
 use crate::eeprom::Eeprom;
 use crate::hardware::Physical;
@@ -26,18 +28,21 @@ pub struct ModuleId(pub usize);
 #[derive(Clone, Debug)]
 enum AnyModule {
     Tmcm1311(Box<Module<Tmcm1311, StepperBench>>),
+    Tmcm1640(Box<Module<Tmcm1640, BldcBench>>),
 }
 
 impl AnyModule {
     fn get(&self) -> &dyn VirtualModule {
         match self {
             Self::Tmcm1311(module) => module.as_ref(),
+            Self::Tmcm1640(module) => module.as_ref(),
         }
     }
 
     fn get_mut(&mut self) -> &mut dyn VirtualModule {
         match self {
             Self::Tmcm1311(module) => module.as_mut(),
+            Self::Tmcm1640(module) => module.as_mut(),
         }
     }
 }
@@ -336,12 +341,14 @@ fn slot(config: &ModuleConfig) -> Slot {
         // An EEPROM in memory takes every record.
         let _ = eeprom.write(RecordKey::Global(bank, number), &i32::from(address).to_le_bytes());
     }
+    let pace = config.instructions_per_tick;
     let module = match config.kind {
-        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(
-            StepperBench::new(config),
-            eeprom,
-            config.instructions_per_tick,
-        ))),
+        ModuleKind::Tmcm1311 => {
+            AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom, pace)))
+        }
+        ModuleKind::Tmcm1640 => {
+            AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, pace)))
+        }
     };
     Slot { name: config.name.clone(), kind: config.kind, module }
 }

@@ -1,5 +1,7 @@
 //! The seam between firmware and physics.
 
+use crate::kind::MotorFamily;
+
 /// Driver chip, motor, load, sensors and supply of one module.
 pub(crate) trait Hardware: Clone {
     /// What the sensors say.
@@ -20,7 +22,7 @@ pub(crate) trait Hardware: Clone {
     fn physical(&self) -> Physical;
 }
 
-/// The truth about a motor, in the order of [`Physical::NAMES`].
+/// The truth about a motor, in the order of [`Physical::NAMES`]. What its kind of motor does not have is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Physical {
     /// How far the rotor turned since power was first switched on; positive to the right (ROR).
@@ -31,11 +33,12 @@ pub struct Physical {
     pub torque_nm: f64,
     /// Torque from outside.
     pub load_nm: f64,
-    /// How far the rotor lags behind the field; 90 is the limit.
+    /// How far the rotor lags behind the field. A stepper's field is the one that is commanded, and 90 is the limit; a
+    /// brushless motor's is that of its currents, and 90 makes the most torque of them. 0 without any.
     pub load_angle_deg: f64,
-    /// Current in coil A.
+    /// Current in coil A of a stepper.
     pub coil_a_a: f64,
-    /// Current in coil B.
+    /// Current in coil B of a stepper.
     pub coil_b_a: f64,
     /// Voltage of the bus.
     pub bus_voltage_v: f64,
@@ -45,11 +48,21 @@ pub struct Physical {
     pub winding_temperature_c: f64,
     /// Temperature of the board.
     pub board_temperature_c: f64,
+    /// Current along the magnets of a brushless motor, amplitude; positive strengthens them.
+    pub current_d_a: f64,
+    /// Current across them, amplitude: what makes torque, positive to the right.
+    pub current_q_a: f64,
+    /// Current into phase U of a brushless motor.
+    pub phase_u_a: f64,
+    /// Current into phase V.
+    pub phase_v_a: f64,
+    /// Current into phase W.
+    pub phase_w_a: f64,
 }
 
 impl Physical {
     /// Name and unit of every quantity.
-    pub const NAMES: [(&str, &str); 11] = [
+    pub const NAMES: [(&str, &str); 16] = [
         ("rotor_turns", "turn"),
         ("velocity_rpm", "rpm"),
         ("torque_nm", "Nm"),
@@ -61,11 +74,30 @@ impl Physical {
         ("supply_current_a", "A"),
         ("winding_temperature_c", "°C"),
         ("board_temperature_c", "°C"),
+        ("current_d_a", "A"),
+        ("current_q_a", "A"),
+        ("phase_u_a", "A"),
+        ("phase_v_a", "A"),
+        ("phase_w_a", "A"),
     ];
+
+    /// The names that mean something for motors of one family only, by their place in [`Physical::NAMES`].
+    const STEPPER_ONLY: [usize; 2] = [5, 6];
+    const BRUSHLESS_ONLY: [usize; 5] = [11, 12, 13, 14, 15];
+
+    /// The quantities of a motor of this family: place in [`Physical::NAMES`], and name.
+    pub(crate) fn names_of(family: MotorFamily) -> impl Iterator<Item = (usize, &'static str)> {
+        let others: &[usize] = match family {
+            MotorFamily::Stepper => &Self::BRUSHLESS_ONLY,
+            MotorFamily::Brushless => &Self::STEPPER_ONLY,
+        };
+        let names = Self::NAMES.iter().enumerate().map(|(index, (name, _))| (index, *name));
+        names.filter(|(index, _)| !others.contains(index))
+    }
 
     /// Every quantity, in the order of the names.
     #[must_use]
-    pub fn values(&self) -> [f64; 11] {
+    pub fn values(&self) -> [f64; 16] {
         [
             self.rotor_turns,
             self.velocity_rpm,
@@ -78,6 +110,11 @@ impl Physical {
             self.supply_current_a,
             self.winding_temperature_c,
             self.board_temperature_c,
+            self.current_d_a,
+            self.current_q_a,
+            self.phase_u_a,
+            self.phase_v_a,
+            self.phase_w_a,
         ]
     }
 }

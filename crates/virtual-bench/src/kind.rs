@@ -5,8 +5,19 @@ use tmcl_tables::ModuleSpec;
 /// A kind of module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModuleKind {
-    /// The TMCM-1311, in open loop.
+    /// The TMCM-1311, for steppers.
     Tmcm1311,
+    /// The TMCM-1640, for brushless motors.
+    Tmcm1640,
+}
+
+/// A kind of motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MotorFamily {
+    /// Two-phase hybrid steppers.
+    Stepper,
+    /// Three-phase brushless motors.
+    Brushless,
 }
 
 /// The tables know this module, but there is no virtual one yet; the kinds there are stand in [`ModuleKind::ALL`].
@@ -16,13 +27,22 @@ pub struct UnknownModuleKind(pub &'static str);
 
 impl ModuleKind {
     /// Every kind.
-    pub const ALL: [Self; 1] = [Self::Tmcm1311];
+    pub const ALL: [Self; 2] = [Self::Tmcm1311, Self::Tmcm1640];
 
     /// The module's tables.
     #[must_use]
     pub fn spec(self) -> &'static ModuleSpec {
         match self {
             Self::Tmcm1311 => &tmcl_tables::tmcm_1311::SPEC,
+            Self::Tmcm1640 => &tmcl_tables::tmcm_1640::SPEC,
+        }
+    }
+
+    /// The motors that it drives.
+    pub(crate) const fn motor(self) -> MotorFamily {
+        match self {
+            Self::Tmcm1311 => MotorFamily::Stepper,
+            Self::Tmcm1640 => MotorFamily::Brushless,
         }
     }
 }

@@ -6,6 +6,8 @@
 //! This crate must never know sockets, threads, files or wall-clock time.
 
 mod bench;
+mod bench_parts;
+mod bldc_bench;
 pub mod config;
 mod eeprom;
 pub mod expect;

@@ -7,6 +7,7 @@ use tmcl_tables::{GlobalParameter, GlobalSpec, ModuleSpec};
 use crate::bench::ModuleId;
 use crate::config::suggest;
 use crate::hardware::Physical;
+use crate::kind::{ModuleKind, MotorFamily};
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,9 +64,23 @@ pub enum ProbeError {
 /// The bank of the user variables (TMCM-1311 §10.3).
 const VARIABLES: u8 = 2;
 
-/// What the sensors count.
+/// What the sensors count; pulses come to modules for steppers only.
 const SENSED: [(&str, Quantity); 2] =
     [("sensed.encoder_counts", Quantity::EncoderCounts), ("sensed.step_pulses", Quantity::StepPulses)];
+
+/// What a module's sensors count.
+fn sensed(spec: &'static ModuleSpec) -> &'static [(&'static str, Quantity)] {
+    let [counts, _] = &SENSED;
+    match family(spec) {
+        MotorFamily::Stepper => &SENSED,
+        MotorFamily::Brushless => core::slice::from_ref(counts),
+    }
+}
+
+/// The motors that a module drives.
+fn family(spec: &'static ModuleSpec) -> MotorFamily {
+    ModuleKind::try_from(spec).map_or(MotorFamily::Stepper, ModuleKind::motor)
+}
 
 /// The names of ports but for their number, and their banks.
 const PORTS: [(&str, u8); 3] = [("input.", 0), ("ain.", 1), ("output.", 2)];
@@ -99,9 +114,10 @@ pub(crate) fn parse(name: &str, modules: &[(&str, &'static ModuleSpec)]) -> Resu
 
 fn quantity(name: &str, spec: &'static ModuleSpec) -> Option<Quantity> {
     if let Some(physical) = name.strip_prefix("physical.") {
-        return Physical::NAMES.iter().position(|(known, _)| *known == physical).map(Quantity::Physical);
+        let mut names = Physical::names_of(family(spec));
+        return names.find(|(_, known)| *known == physical).map(|(index, _)| Quantity::Physical(index));
     }
-    if let Some((_, sensed)) = SENSED.into_iter().find(|(known, _)| *known == name) {
+    if let Some((_, sensed)) = sensed(spec).iter().copied().find(|(known, _)| *known == name) {
         return Some(sensed);
     }
     if let Some(number) = name.strip_prefix("variable.") {
@@ -140,11 +156,13 @@ fn no_quantity(name: &str, spec: &'static ModuleSpec) -> ProbeError {
         return ProbeError::WriteOnly(name.to_owned());
     }
     let help = numbered(name, spec).unwrap_or_else(|| {
-        let physical = Physical::NAMES.map(|(name, _)| format!("physical.{name}"));
+        let physical: Vec<_> =
+            Physical::names_of(family(spec)).map(|(_, name)| format!("physical.{name}")).collect();
         let ids = parameters().filter(|parameter| parameter.access.read).map(|parameter| parameter.id);
-        let others = physical.iter().map(String::as_str).chain(SENSED.map(|(name, _)| name));
+        let others = physical.iter().map(String::as_str).chain(sensed(spec).iter().map(|(name, _)| *name));
         let choices: Vec<_> = ids.chain(others).collect();
-        suggest::nearest(name, &choices).map_or_else(all_kinds, |choice| format!("did you mean `{choice}`?"))
+        suggest::nearest(name, &choices)
+            .map_or_else(|| all_kinds(spec), |choice| format!("did you mean `{choice}`?"))
     });
     ProbeError::Quantity(name.to_owned(), help)
 }
@@ -165,11 +183,15 @@ fn numbered(name: &str, spec: &ModuleSpec) -> Option<String> {
 }
 
 /// What there is on a module.
-fn all_kinds() -> String {
-    let physical = Physical::NAMES.map(|(name, _)| name).join(", ");
+fn all_kinds(spec: &'static ModuleSpec) -> String {
+    let physical: Vec<_> = Physical::names_of(family(spec)).map(|(_, name)| name).collect();
+    let coordinates = if spec.coordinates > 0 { "`coordinate.N`, " } else { "" };
+    let sensed: Vec<_> = sensed(spec).iter().map(|(name, _)| format!("`{name}`")).collect();
     format!(
-        "there are axis and global parameters such as `actual_position` and `tick_timer`, `variable.N`, `coordinate.N`, \
-         `input.N`, `output.N`, `ain.N`, `sensed.encoder_counts`, `sensed.step_pulses`, and physical.{{{physical}}}"
+        "there are axis and global parameters such as `actual_position` and `tick_timer`, `variable.N`, {coordinates}\
+         `input.N`, `output.N`, `ain.N`, {}, and physical.{{{}}}",
+        sensed.join(", "),
+        physical.join(", ")
     )
 }
 
@@ -233,6 +255,24 @@ mod tests {
         for entry in SPEC.axis_parameters.iter().filter(|entry| entry.access.read) {
             assert_eq!(parameter(entry.id, SPEC), Some(Quantity::Parameter(entry.number)));
         }
+    }
+
+    #[test]
+    fn each_motor_has_its_own_currents() {
+        let brushless = [("m1", &tmcl_tables::tmcm_1640::SPEC)];
+        for name in ["current_d_a", "current_q_a", "phase_u_a", "phase_v_a", "phase_w_a"] {
+            let name = format!("physical.{name}");
+            let found = parse(&name, &brushless).map(|probe| unit(probe.quantity, brushless[0].1));
+            assert_eq!(found, Ok("A"), "{name}");
+            assert!(parse(&name, &[("m1", SPEC)]).is_err(), "{name}");
+        }
+        for name in ["physical.coil_a_a", "physical.coil_b_a", "sensed.step_pulses", "coordinate.0"] {
+            assert!(parse(name, &brushless).is_err() && parse(name, &[("m1", SPEC)]).is_ok(), "{name}");
+        }
+        assert!(parse("sensed.encoder_counts", &brushless).is_ok());
+        let says = parse("colour", &brushless).expect_err("nothing").to_string();
+        assert!(says.contains("phase_w_a") && !says.contains("coil_a_a"), "{says}");
+        assert!(!says.contains("coordinate") && !says.contains("step_pulses"), "{says}");
     }
 
     #[test]

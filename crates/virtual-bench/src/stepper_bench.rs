@@ -23,17 +23,9 @@ use motor_physics::switch::LimitSwitch;
 use pulse_source::PulseSource;
 
 use crate::TICK_NS;
+use crate::bench_parts::{BOARD_W, HEAT_NS, PERIOD_S, rounded, seconds};
 use crate::config::Coil;
 use crate::hardware::{Hardware, Physical};
-
-/// A control period in seconds.
-const PERIOD_S: f64 = 50e-6;
-
-/// How often the temperatures are brought up to date.
-const HEAT_NS: u64 = 100_000_000;
-
-/// What the board takes for itself (chosen).
-const BOARD_W: f64 = 1.5;
 
 /// On-resistance of the two transistors in series with a coil (chosen: two of 50 mΩ).
 const BRIDGE_OHM: f64 = 0.1;
@@ -136,6 +128,7 @@ impl Hardware for StepperBench {
             supply_current_a: self.supply.source_current_a(),
             winding_temperature_c: self.winding.temperature_c(self.surroundings.ambient_c),
             board_temperature_c: self.board_temperature_c(),
+            ..Physical::default()
         }
     }
 }
@@ -283,13 +276,4 @@ fn registers(drive: &Drive) -> Registers {
 /// An angle brought back to −π to π.
 fn wrapped(angle_rad: f64) -> f64 {
     angle_rad - libm::round(angle_rad / TAU) * TAU
-}
-
-/// The nearest whole number, halves away from 0.
-fn rounded(value: f64) -> i16 {
-    (value + libm::copysign(0.5, value)) as i16
-}
-
-fn seconds(time_ns: u64) -> f64 {
-    time_ns as f64 * 1e-9
 }

@@ -10,12 +10,39 @@ pub enum Bridge {
         /// The vector in the stationary frame, as long as the phase voltage's amplitude; α along phase U.
         voltage_alpha_beta_v: [f64; 2],
     },
+    /// The same, but that the wire to one phase is off: the other two carry one current.
+    DrivenOpen {
+        /// Which: 0 to 2 for U to W.
+        open_phase: usize,
+        /// The vector that the power stage makes; only what lies across the open phase's axis acts.
+        voltage_alpha_beta_v: [f64; 2],
+    },
     /// All transistors are off. What current is left flows through the diodes against the bus voltage, and so does current
     /// of a rotor that is turned so fast that its voltage exceeds the bus's.
     Floating {
         /// The bus voltage.
         bus_voltage_v: f64,
     },
+}
+
+impl Bridge {
+    /// A power stage that holds the terminals of U, V and W at these voltages against ground.
+    #[must_use]
+    pub fn at_terminals(terminals_v: [f64; 3]) -> Self {
+        Self::Driven { voltage_alpha_beta_v: vector_of(terminals_v) }
+    }
+
+    /// The same with the wire to a phase off, 0 to 2 for U to W. A stage that is off stays as it is: its diodes are taken to
+    /// reach all three phases.
+    #[must_use]
+    pub fn with_open(self, open_phase: usize) -> Self {
+        match self {
+            Self::Driven { voltage_alpha_beta_v } | Self::DrivenOpen { voltage_alpha_beta_v, .. } => {
+                Self::DrivenOpen { open_phase, voltage_alpha_beta_v }
+            }
+            Self::Floating { .. } => self,
+        }
+    }
 }
 
 /// How the phases are connected until a diode begins or ceases to conduct.

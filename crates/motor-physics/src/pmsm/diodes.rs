@@ -1,12 +1,12 @@
-//! A power stage that is switched off: six diodes.
+//! A power stage that is switched off: six diodes; and phases that carry nothing.
 //!
 //! What current is left flows from the lower rail or into the upper one until it has died; and where a terminal's voltage
 //! would leave the rails, it begins to.
 
 use super::bridge::{Connection, Rails, axis, connection};
-use super::currents::CurrentSlopes;
+use super::equations::{Equations, State};
 use super::frame::{dot, phases_of};
-use super::{CURRENT_RESOLUTION_A, Pmsm, State};
+use super::{CURRENT_RESOLUTION_A, Pmsm};
 use crate::angle::Direction;
 
 /// A terminal that is further than this beyond a rail conducts.
@@ -14,57 +14,74 @@ const RESOLUTION_V: f64 = 1e-9;
 
 impl Pmsm {
     /// Whether the same diodes conduct in this state.
-    pub(super) fn diodes_stay(&self, state: State, bus_voltage_v: f64) -> bool {
-        let ended = conducted(self.rails, phase_currents(state));
-        ended == self.rails && self.conducting_from(ended, state, bus_voltage_v) == ended
+    pub(super) fn diodes_stay(&self, state: State, bus_voltage_v: f64, equations: &Equations) -> bool {
+        let rotor = equations.rotor(state);
+        let ended = conducted(self.rails, phase_currents(state, rotor));
+        ended == self.rails && conducting_from(ended, state, bus_voltage_v, equations) == ended
     }
 
     /// Lets diodes go out whose current has died, and others come on whose terminal is beyond a rail.
-    pub(super) fn switch_diodes(&mut self, state: State, bus_voltage_v: f64) -> (State, Connection) {
-        let currents = phase_currents(state);
+    pub(super) fn switch_diodes(
+        &mut self,
+        state: State,
+        bus_voltage_v: f64,
+        equations: &Equations,
+    ) -> (State, Connection) {
+        let rotor = equations.rotor(state);
+        let currents = phase_currents(state, rotor);
         let rails = if self.rails == [0; 3] { currents.map(rail_of) } else { self.rails };
         self.rails = conducted(rails, currents);
-        let state = self.residue_removed(state);
-        self.rails = self.conducting_from(self.rails, state, bus_voltage_v);
+        let state = residue_removed(state, self.rails, rotor);
+        self.rails = conducting_from(self.rails, state, bus_voltage_v, equations);
         (state, connection(self.rails, bus_voltage_v))
-    }
-
-    /// The state without what rounding left of currents that have died.
-    fn residue_removed(&self, state: State) -> State {
-        let [d, q, velocity, angle, electrical, copper, friction, load] = state;
-        let [d, q] = match connection(self.rails, 0.0) {
-            Connection::Closed(_) => [d, q],
-            Connection::OpenPhase(phase, _) => {
-                let along = Direction::of(angle).to_rotor(axis(phase));
-                let residue = dot([d, q], along);
-                let [along_d, along_q] = along;
-                [d - residue * along_d, q - residue * along_q]
-            }
-            Connection::Open => [0.0; 2],
-        };
-        [d, q, velocity, angle, electrical, copper, friction, load]
-    }
-
-    /// These diodes and those that come on in this state.
-    fn conducting_from(&self, rails: Rails, state: State, bus_voltage_v: f64) -> Rails {
-        let [d, q, velocity, angle, ..] = state;
-        let slopes = CurrentSlopes::new(&self.parameters, [d, q], velocity);
-        let rotor = Direction::of(angle);
-        match connection(rails, bus_voltage_v) {
-            Connection::Closed(_) => rails,
-            Connection::OpenPhase(phase, voltage) => {
-                // The star point is where the three terminals' voltages average, and the other two are at opposite rails.
-                let terminal_v = 1.5 * slopes.open_phase_v(phase, voltage, rotor);
-                let rail_v = 0.5 * bus_voltage_v + RESOLUTION_V;
-                with_rail(rails, phase, i8::from(terminal_v > rail_v) - i8::from(terminal_v < -rail_v))
-            }
-            Connection::Open => rectifying(phases_of(rotor.to_stator(slopes.opposing_v())), bus_voltage_v),
-        }
     }
 }
 
-fn phase_currents([d, q, _, angle, ..]: State) -> [f64; 3] {
-    phases_of(Direction::of(angle).to_stator([d, q]))
+/// The state and the connection once the wire of a phase is off: it carries nothing, and the other two see what is left of
+/// the voltage vector.
+pub(super) fn opened(state: State, phase: usize, voltage: [f64; 2], rotor: Direction) -> (State, Connection) {
+    let along = axis(phase);
+    let ([alpha, beta], [along_alpha, along_beta]) = (voltage, along);
+    let part = dot(voltage, along);
+    let across = [alpha - part * along_alpha, beta - part * along_beta];
+    (without_current(state, phase, rotor), Connection::OpenPhase(phase, across))
+}
+
+/// The state without what rounding left of currents that have died.
+fn residue_removed(state: State, rails: Rails, rotor: Direction) -> State {
+    let [_, _, velocity, turned_rad] = state;
+    match connection(rails, 0.0) {
+        Connection::Closed(_) => state,
+        Connection::OpenPhase(phase, _) => without_current(state, phase, rotor),
+        Connection::Open => [0.0, 0.0, velocity, turned_rad],
+    }
+}
+
+/// The state without the current in a phase.
+fn without_current([d, q, velocity, turned_rad]: State, phase: usize, rotor: Direction) -> State {
+    let along = rotor.to_rotor(axis(phase));
+    let current_a = dot([d, q], along);
+    let [along_d, along_q] = along;
+    [d - current_a * along_d, q - current_a * along_q, velocity, turned_rad]
+}
+
+/// These diodes and those that come on in this state.
+fn conducting_from(rails: Rails, state: State, bus_voltage_v: f64, equations: &Equations) -> Rails {
+    let (slopes, rotor) = (equations.current_slopes(state), equations.rotor(state));
+    match connection(rails, bus_voltage_v) {
+        Connection::Closed(_) => rails,
+        Connection::OpenPhase(phase, voltage) => {
+            // The star point is where the three terminals' voltages average, and the other two are at opposite rails.
+            let terminal_v = 1.5 * slopes.open_phase_v(phase, voltage, rotor);
+            let rail_v = 0.5 * bus_voltage_v + RESOLUTION_V;
+            with_rail(rails, phase, i8::from(terminal_v > rail_v) - i8::from(terminal_v < -rail_v))
+        }
+        Connection::Open => rectifying(phases_of(rotor.to_stator(slopes.opposing_v())), bus_voltage_v),
+    }
+}
+
+fn phase_currents([d, q, ..]: State, rotor: Direction) -> [f64; 3] {
+    phases_of(rotor.to_stator([d, q]))
 }
 
 /// The rail through whose diode a current flows.

@@ -3,7 +3,9 @@ extern crate std;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 use std::vec;
 
+use super::frame::dot;
 use super::*;
+use crate::energy::joules;
 use crate::hall::HallSensors;
 use crate::mechanics::HardStops;
 use crate::presets;
@@ -312,7 +314,7 @@ fn at_rest_nothing_changes_and_rest_is_the_same_as_stepping() {
 fn it_turns_the_same_way_from_everywhere() {
     for periods in [0.0, 0.37, -0.81, 1e6 + 0.5] {
         let mut motor = motor(preset(), 0.0, 1e-5);
-        motor.angle = RotorAngle::from_turns(periods / 4.0, 4.0);
+        motor.place(RotorAngle::from_turns(periods / 4.0, 4.0));
         run(&mut motor, 0.2, 0.0, |motor| commutated(motor, [0.0, 5.0]));
         let turned = motor.turns() - periods / 4.0;
         assert!((3.0..30.0).contains(&turned), "{turned} turns from {periods}");
@@ -321,4 +323,49 @@ fn it_turns_the_same_way_from_everywhere() {
         assert!((back_emf_v / 5.0 - 1.0).abs() < 0.1, "{back_emf_v} V");
         assert!((Direction::of(FRAC_PI_2).to_stator([0.0, 1.0])[0] + 1.0).abs() < 1e-12);
     }
+}
+
+/// With the wire to a phase off, two phases carry one current: V / (2 R) of what stands between them, and none the third.
+#[test]
+fn with_a_phase_open_the_other_two_carry_one_current() {
+    for open_phase in 0..3 {
+        let mut motor = motor(preset(), 1000.0, 0.0);
+        run(&mut motor, 0.01, 0.0, |_| Bridge::Driven { voltage_alpha_beta_v: [1.0, 0.5] });
+        assert!(motor.phase_currents_a().into_iter().all(|current_a| current_a.abs() > 0.1));
+        let terminals_v = [3.0, 1.0, -2.0];
+        let voltage_alpha_beta_v = frame::vector_of(terminals_v);
+        run(&mut motor, 0.05, 0.0, |_| Bridge::DrivenOpen { open_phase, voltage_alpha_beta_v });
+        let [first, second] = [(open_phase + 1) % 3, (open_phase + 2) % 3];
+        let expected_a = (terminals_v[first] - terminals_v[second]) / (2.0 * motor.parameters.resistance_ohm);
+        let currents_a = motor.phase_currents_a();
+        assert!(currents_a[open_phase].abs() < 1e-9, "{currents_a:?}");
+        assert!((currents_a[first] - expected_a).abs() < 1e-6, "{currents_a:?}, not {expected_a}");
+        assert!((currents_a[second] + expected_a).abs() < 1e-6, "{currents_a:?}");
+        let copper_w = 2.0 * motor.parameters.resistance_ohm * expected_a * expected_a;
+        assert!((motor.copper_power_w(DT_S) / copper_w - 1.0).abs() < 1e-6);
+        assert!((motor.electrical_power_w(DT_S) / copper_w - 1.0).abs() < 1e-6, "at rest all of it is heat");
+    }
+}
+
+#[test]
+fn an_open_phase_keeps_its_current_at_zero_while_the_motor_turns() {
+    let mut motor = motor(preset(), 1e-3, 1e-5);
+    motor.velocity_rad_s = 200.0;
+    for step in 0..2000 {
+        let angle_rad = f64::from(step) * 0.01;
+        let voltage_alpha_beta_v = [3.0 * libm::cos(angle_rad), 3.0 * libm::sin(angle_rad)];
+        motor.advance(Bridge::DrivenOpen { open_phase: 1, voltage_alpha_beta_v }, 0.0, DT_S);
+        assert!(motor.phase_currents_a()[1].abs() < 1e-3, "{:?}", motor.phase_currents_a());
+    }
+}
+
+/// However fast a load drags it, the equations stay bounded.
+#[test]
+fn a_rotor_that_a_load_drags_along_does_not_run_away_numerically() {
+    let mut motor = motor(preset(), 1e-3, 1e-3);
+    run(&mut motor, 0.5, 5.0, |_| Bridge::Driven { voltage_alpha_beta_v: [0.0; 2] });
+    let limit_rad_s = 5.0 / 1e-3;
+    assert!((0.9 * limit_rad_s..limit_rad_s).contains(&motor.velocity_rad_s), "{}", motor.velocity_rad_s);
+    let short_circuit_a = motor.parameters.flux_linkage_wb / motor.parameters.d_inductance_h;
+    assert!((libm::hypot(motor.current_d_a, motor.current_q_a) / short_circuit_a - 1.0).abs() < 0.02);
 }

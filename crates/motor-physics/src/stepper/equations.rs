@@ -2,6 +2,7 @@
 
 use super::Stepper;
 use crate::angle::Direction;
+use crate::energy::Work;
 use crate::mechanics::Friction;
 use crate::rk4;
 
@@ -30,15 +31,6 @@ struct Coil {
     voltage_v: f64,
     /// 0 for a coil whose current does not change.
     per_inductance: f64,
-}
-
-/// Where the energy went in a step: into the windings, as heat in them, into friction, against the load.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Work {
-    pub(super) electrical_j: f64,
-    pub(super) copper_j: f64,
-    pub(super) friction_j: f64,
-    pub(super) load_j: f64,
 }
 
 impl Equations {

@@ -2,8 +2,8 @@
 //! direction would cost milliamperes.
 
 use super::Stepper;
-use super::equations::{Equations, State, Work};
-use crate::energy::Energy;
+use super::equations::{Equations, State};
+use crate::energy::Work;
 use crate::mechanics::Friction;
 
 /// How often friction may stop the shaft within a step; one that is stopped so often stands.
@@ -70,27 +70,6 @@ impl Stepper {
         let bounced = self.velocity_within_travel(state);
         let swallowed_j = self.mechanics.kinetic_j(velocity) - self.mechanics.kinetic_j(bounced);
         ([a, b, bounced, turned_rad], swallowed_j)
-    }
-}
-
-impl Work {
-    fn plus(self, more: Self) -> Self {
-        Self {
-            electrical_j: self.electrical_j + more.electrical_j,
-            copper_j: self.copper_j + more.copper_j,
-            friction_j: self.friction_j + more.friction_j,
-            load_j: self.load_j + more.load_j,
-        }
-    }
-
-    /// With what an end of travel swallows, which counts as friction.
-    pub(super) fn swallowing(self, swallowed_j: f64) -> Self {
-        Self { friction_j: self.friction_j + swallowed_j, ..self }
-    }
-
-    /// The same in whole picojoules.
-    pub(super) fn energy(self) -> Energy {
-        Energy::from_joules(self.electrical_j, self.copper_j, self.friction_j, self.load_j)
     }
 }
 

@@ -1,5 +1,7 @@
 //! `[module.encoder]`: the incremental encoder on the shaft.
 
+use motor_physics::presets::QBL4208_ENCODER_COUNTS;
+
 use super::quantity;
 use super::section::Section;
 use crate::ModuleKind;
@@ -18,12 +20,13 @@ pub struct EncoderConfig {
 }
 
 impl EncoderConfig {
-    /// The encoder of a module of this kind unless the file says otherwise: 40 000 counts (TMCM-1311 §8.11.1), which count
-    /// up to the right; that it has an index is chosen.
+    /// The encoder of a module of this kind unless the file says otherwise: 40 000 counts (TMCM-1311 §8.11.1), or those of
+    /// the default brushless motor's; they count up to the right; that it has an index is chosen.
     #[must_use]
     pub const fn default_for(kind: ModuleKind) -> Self {
         let counts = match kind {
             ModuleKind::Tmcm1311 => 40_000,
+            ModuleKind::Tmcm1640 => QBL4208_ENCODER_COUNTS,
         };
         Self { counts, offset_turns: 0.0, inverted: false, index: true }
     }

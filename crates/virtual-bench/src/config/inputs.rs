@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::error::ConfigError;
 use super::pins::{self, ANALOG_MAX};
 use super::section::Section;
+use super::switches::SwitchesConfig;
 use crate::ModuleKind;
 
 /// Levels of a module's inputs; inputs that are not named are open: they read 0.
@@ -16,22 +17,25 @@ pub struct InputsConfig {
     pub analog: BTreeMap<u8, u16>,
 }
 
-/// Reads the section. `home_switch`: a switch already drives its input.
-pub(super) fn read(mut section: Section<'_, '_>, kind: ModuleKind, home_switch: bool) -> InputsConfig {
+/// Reads the section. Some of the `switches` may already drive inputs.
+pub(super) fn read(
+    mut section: Section<'_, '_>,
+    kind: ModuleKind,
+    switches: &SwitchesConfig,
+) -> InputsConfig {
     let pins = pins::of(kind);
     let mut inputs = InputsConfig::default();
     for (number, key) in pins.inputs.iter().zip(pins.input_keys) {
         if let Some(level) = section.integer(key, &(0..=1)) {
             inputs.digital.insert(*number, level == 1);
         }
-        if home_switch
-            && *number == pins.home
+        if let Some(switch) = pins::switch_at(kind, switches, *number)
             && let Some(span) = section.key_span(key)
         {
-            section.complain(
-                ConfigError::new(span, format!("{key} is wired to the home switch"))
-                    .with_help("leave out one of the two; [[event]] can set fault.switch_home"),
-            );
+            let switch = switch.word();
+            let help = format!("leave out one of the two; [[event]] can set fault.switch_{switch}");
+            let error = ConfigError::new(span, format!("{key} is wired to the {switch} switch"));
+            section.complain(error.with_help(help));
         }
     }
     for (number, key) in pins.analog.iter().zip(pins.analog_keys) {

@@ -6,6 +6,7 @@ use motor_physics::supply::SupplyParameters;
 
 use super::encoder::{self, EncoderConfig};
 use super::error::ConfigError;
+use super::halls::{self, HallsConfig};
 use super::inputs::{self, InputsConfig};
 use super::load::{self, LoadConfig};
 use super::motor::{self, MotorConfig};
@@ -18,6 +19,7 @@ use super::suggest;
 use super::supply::{self, SupplyFigures};
 use super::switches::{self, SwitchesConfig};
 use crate::ModuleKind;
+use crate::kind::MotorFamily;
 
 /// Temperature of a room (chosen).
 const ROOM_C: f64 = 25.0;
@@ -47,8 +49,10 @@ pub struct ModuleConfig {
     pub switches: SwitchesConfig,
     /// What is connected to its inputs.
     pub inputs: InputsConfig,
-    /// What is connected to its step/direction connector.
+    /// What is connected to its step/direction connector. A TMCM-1640 has none.
     pub step_dir: StepDirConfig,
+    /// The hall sensors in its motor. A TMCM-1311 does not look at them.
+    pub halls: HallsConfig,
 }
 
 impl ModuleConfig {
@@ -68,6 +72,7 @@ impl ModuleConfig {
             switches: SwitchesConfig::default(),
             inputs: InputsConfig::default(),
             step_dir: StepDirConfig::default(),
+            halls: HallsConfig::default(),
         }
     }
 }
@@ -139,14 +144,39 @@ fn read_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
         module.encoder = encoder::read(encoder, kind);
     }
     if let Some(switches) = section.section("switches", "module.switches") {
-        module.switches = switches::read(switches);
+        module.switches = switches::read(switches, kind);
     }
-    let home_switch = module.switches.home.is_some();
     if let Some(inputs) = section.section("inputs", "module.inputs") {
-        module.inputs = inputs::read(inputs, kind, home_switch);
+        module.inputs = inputs::read(inputs, kind, &module.switches);
     }
-    if let Some(step_dir) = section.section("step_dir", "module.step_dir") {
-        module.step_dir = step_dir::read(step_dir);
+    read_family_parts(section, module);
+}
+
+/// What only modules for one family of motors have.
+fn read_family_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
+    let kind = module.kind;
+    match kind.motor() {
+        MotorFamily::Stepper => {
+            if let Some(step_dir) = section.section("step_dir", "module.step_dir") {
+                module.step_dir = step_dir::read(step_dir);
+            }
+            refuse(section, "halls", kind, "hall sensors");
+        }
+        MotorFamily::Brushless => {
+            if let Some(halls) = section.section("halls", "module.halls") {
+                module.halls = halls::read(halls);
+            }
+            refuse(section, "step_dir", kind, "step/direction connector");
+        }
+    }
+}
+
+/// Complains about a section for something that a module does not have.
+fn refuse(section: &mut Section<'_, '_>, key: &'static str, kind: ModuleKind, what: &str) {
+    if let Some(span) = section.key_span(key) {
+        section.entry(key);
+        let message = format!("the {} has no {what}", kind.spec().id);
+        section.complain(ConfigError::new(span, message).with_help(format!("leave out [module.{key}]")));
     }
 }
 

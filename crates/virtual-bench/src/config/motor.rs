@@ -1,6 +1,7 @@
 //! `[module.motor]`: a motor by its maker's name, or by its figures.
 
-use motor_physics::presets::{PMSMS, STEPPERS, stepper};
+use motor_physics::pmsm::PmsmParameters;
+use motor_physics::presets::{PMSMS, STEPPERS, pmsm, stepper};
 use motor_physics::stepper::StepperParameters;
 
 use super::error::ConfigError;
@@ -8,6 +9,7 @@ use super::quantity::{self, Quantity};
 use super::section::Section;
 use super::suggest;
 use crate::ModuleKind;
+use crate::kind::MotorFamily;
 
 /// A motor.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +37,38 @@ pub struct BldcConfig {
     pub rated_current_a: f64,
     /// Moment of inertia of the rotor.
     pub rotor_inertia_kgm2: f64,
+    /// Thermal time constant of the winding.
+    pub winding_time_constant_s: f64,
+}
+
+impl BldcConfig {
+    /// The star of three phases that behaves the same: half of what is measured between two lines is a phase's. What the
+    /// figures do not say follows from them, at the voltage of the default bench.
+    #[must_use]
+    pub fn parameters(&self) -> PmsmParameters {
+        /// Peak over rated current, as of the presets.
+        const PEAK: f64 = 3.0;
+        const RATED_V: f64 = 24.0;
+        let pole_pairs = f64::from(self.pole_pairs);
+        let phase_inductance_h = self.line_inductance_h / 2.0;
+        let rated_torque_nm = self.torque_constant_nm_per_a * self.rated_current_a;
+        PmsmParameters {
+            pole_pairs,
+            resistance_ohm: self.line_resistance_ohm / 2.0,
+            d_inductance_h: phase_inductance_h,
+            q_inductance_h: phase_inductance_h,
+            flux_linkage_wb: PmsmParameters::flux_linkage_from(self.torque_constant_nm_per_a, pole_pairs),
+            rotor_inertia_kgm2: self.rotor_inertia_kgm2,
+            rated_voltage_v: RATED_V,
+            rated_velocity_rad_s: (RATED_V - self.rated_current_a * self.line_resistance_ohm).max(0.0)
+                / self.torque_constant_nm_per_a,
+            rated_current_a: self.rated_current_a,
+            rated_torque_nm,
+            peak_current_a: PEAK * self.rated_current_a,
+            peak_torque_nm: PEAK * rated_torque_nm,
+            winding_time_constant_s: self.winding_time_constant_s,
+        }
+    }
 }
 
 impl MotorConfig {
@@ -43,6 +77,7 @@ impl MotorConfig {
     pub fn default_for(kind: ModuleKind) -> Self {
         match kind {
             ModuleKind::Tmcm1311 => Self::Preset("QSH5718-51-28-101"),
+            ModuleKind::Tmcm1640 => Self::Preset("QBL4208-61-04-013"),
         }
     }
 
@@ -55,6 +90,20 @@ impl MotorConfig {
             Self::Bldc(_) => None,
         }
     }
+
+    /// The figures of a brushless motor; `None`: it is none.
+    #[must_use]
+    pub fn brushless(&self) -> Option<PmsmParameters> {
+        match self {
+            Self::Preset(name) => pmsm(name),
+            Self::Stepper(_) => None,
+            Self::Bldc(figures) => Some(figures.parameters()),
+        }
+    }
+
+    fn family(&self) -> MotorFamily {
+        if self.stepper().is_some() { MotorFamily::Stepper } else { MotorFamily::Brushless }
+    }
 }
 
 /// What tells the figures of a brushless motor from those of a stepper.
@@ -65,26 +114,35 @@ const BLDC_KEYS: [&str; 4] =
 pub(super) fn read(mut section: Section<'_, '_>, kind: ModuleKind) -> Option<MotorConfig> {
     let motor = if section.entry("preset").is_some() {
         read_preset(section, kind)?
-    } else if BLDC_KEYS.iter().any(|key| section.key_span(key).is_some()) {
-        check_family(&mut section, kind, false);
-        MotorConfig::Bldc(read_bldc(section)?)
     } else {
-        MotorConfig::Stepper(read_stepper(section)?)
+        let family = described(&section, kind);
+        check_family(&mut section, kind, family);
+        match family {
+            MotorFamily::Stepper => MotorConfig::Stepper(read_stepper(section)?),
+            MotorFamily::Brushless => MotorConfig::Bldc(read_bldc(section)?),
+        }
     };
-    (motor.stepper().is_some() == drives_steppers(kind)).then_some(motor)
+    (motor.family() == kind.motor()).then_some(motor)
 }
 
-/// Which motors a kind of module drives.
-fn drives_steppers(kind: ModuleKind) -> bool {
-    match kind {
-        ModuleKind::Tmcm1311 => true,
+/// The family whose figures the section gives; where none tells, the one that the module drives.
+fn described(section: &Section<'_, '_>, kind: ModuleKind) -> MotorFamily {
+    let has = |keys: &[&str]| keys.iter().any(|key| section.key_span(key).is_some());
+    if has(&BLDC_KEYS) {
+        MotorFamily::Brushless
+    } else if has(&STEPPER_ONLY_KEYS) {
+        MotorFamily::Stepper
+    } else {
+        kind.motor()
     }
 }
 
-fn check_family(section: &mut Section<'_, '_>, kind: ModuleKind, stepper: bool) {
-    if stepper != drives_steppers(kind) {
-        let found = if stepper { "a stepper motor" } else { "a brushless motor" };
-        let wanted = if stepper { "brushless motors" } else { "stepper motors" };
+fn check_family(section: &mut Section<'_, '_>, kind: ModuleKind, family: MotorFamily) {
+    if family != kind.motor() {
+        let (found, wanted) = match family {
+            MotorFamily::Stepper => ("a stepper motor", "brushless motors"),
+            MotorFamily::Brushless => ("a brushless motor", "stepper motors"),
+        };
         let message =
             format!("{} describes {found}; the {} drives {wanted}", section.title(), kind.spec().id);
         section.complain_here(message, Some(format!("presets: {}", presets(kind).join(", "))));
@@ -93,7 +151,10 @@ fn check_family(section: &mut Section<'_, '_>, kind: ModuleKind, stepper: bool) 
 
 /// The names of motors that a kind of module drives.
 fn presets(kind: ModuleKind) -> Vec<&'static str> {
-    if drives_steppers(kind) { steppers().collect() } else { brushless().collect() }
+    match kind.motor() {
+        MotorFamily::Stepper => steppers().collect(),
+        MotorFamily::Brushless => brushless().collect(),
+    }
 }
 
 fn steppers() -> impl Iterator<Item = &'static str> {
@@ -116,7 +177,7 @@ fn read_preset(mut section: Section<'_, '_>, kind: ModuleKind) -> Option<MotorCo
     });
     let motor = preset.map(MotorConfig::Preset);
     if let Some(motor) = &motor {
-        check_family(&mut section, kind, motor.stepper().is_some());
+        check_family(&mut section, kind, motor.family());
     }
     for key in STEPPER_KEYS.into_iter().chain(BLDC_KEYS) {
         if section.entry(key).is_some()
@@ -132,6 +193,10 @@ fn read_preset(mut section: Section<'_, '_>, kind: ModuleKind) -> Option<MotorCo
     motor
 }
 
+/// What tells the figures of a stepper from those of a brushless motor.
+const STEPPER_ONLY_KEYS: [&str; 5] =
+    ["resistance_ohm", "inductance_h", "holding_torque_nm", "detent_torque_nm", "full_steps"];
+
 const STEPPER_KEYS: [&str; 8] = [
     "rated_current_a",
     "resistance_ohm",
@@ -145,6 +210,9 @@ const STEPPER_KEYS: [&str; 8] = [
 
 /// Thermal time constant of a winding that says nothing about it: 22 minutes, as of two of the four motors in the decisions.
 const DEFAULT_TIME_CONSTANT_S: f64 = 1320.0;
+
+/// The same for a brushless motor: what the TMCM-1640's I²t monitor assumes (§9).
+const DEFAULT_BRUSHLESS_TIME_CONSTANT_S: f64 = 13.2;
 
 fn read_stepper(section: Section<'_, '_>) -> Option<StepperParameters> {
     let mut figures = Figures { section, missing: Vec::new() };
@@ -202,6 +270,10 @@ fn read_bldc(section: Section<'_, '_>) -> Option<BldcConfig> {
     let line_inductance_h = figures.number("line_inductance_h", &quantity::INDUCTANCE);
     let rated_current_a = figures.number("rated_current_a", &quantity::CURRENT);
     let rotor_inertia_kgm2 = figures.number("rotor_inertia_kgm2", &quantity::ROTOR_INERTIA);
+    let winding_time_constant_s = figures
+        .section
+        .number("winding_time_constant_s", &quantity::TIME_CONSTANT)
+        .unwrap_or(DEFAULT_BRUSHLESS_TIME_CONSTANT_S);
     figures.finish("preset, or these figures of a brushless motor");
     Some(BldcConfig {
         pole_pairs: u32::try_from(pole_pairs?).ok()?,
@@ -210,6 +282,7 @@ fn read_bldc(section: Section<'_, '_>) -> Option<BldcConfig> {
         line_inductance_h: line_inductance_h?,
         rated_current_a: rated_current_a?,
         rotor_inertia_kgm2: rotor_inertia_kgm2?,
+        winding_time_constant_s,
     })
 }
 

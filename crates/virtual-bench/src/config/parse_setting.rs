@@ -4,11 +4,13 @@ use core::ops::{Range, RangeInclusive};
 
 use super::BenchConfig;
 use super::module::ModuleConfig;
+use super::parse_fault::parse_fault;
 use super::pins::{self, ANALOG_MAX};
 use super::quantity::{self, Quantity};
-use super::setting::{Coil, Contact, EncoderLine, Power, Setting, SwitchName};
+use super::setting::{Power, Setting};
 use super::step_dir::PULSES;
 use super::suggest;
+use crate::kind::MotorFamily;
 
 /// Words that names of settings begin with.
 const SETTING_ROOTS: [&str; 8] =
@@ -23,7 +25,7 @@ pub(super) fn is_reserved(word: &str) -> bool {
 }
 
 /// What may be set; `N` stands for a number.
-pub const SETTINGS: [&str; 19] = [
+pub const SETTINGS: [&str; 24] = [
     "load.torque_nm",
     "load.inertia_kgm2",
     "load.friction_nm",
@@ -37,6 +39,11 @@ pub const SETTINGS: [&str; 19] = [
     "fault.encoder_line",
     "fault.coil_open",
     "fault.coil_short",
+    "fault.phase_open",
+    "fault.phase_short",
+    "fault.hall_1",
+    "fault.hall_2",
+    "fault.hall_3",
     "fault.switch_left",
     "fault.switch_right",
     "fault.switch_home",
@@ -86,11 +93,11 @@ pub enum Part {
 }
 
 impl SettingError {
-    fn name(message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub(super) fn name(message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { part: Part::Name, message: message.into(), help: Some(help.into()) }
     }
 
-    fn value(message: impl Into<String>) -> Self {
+    pub(super) fn value(message: impl Into<String>) -> Self {
         Self { part: Part::Value, message: message.into(), help: None }
     }
 }
@@ -136,7 +143,7 @@ fn find_modules<'n>(
             let help = format!("for example {one}.{name}; modules: {}", names.join(", "));
             Err(SettingError::name(format!("{name} must say of which module"), help))
         }
-        _ => Err(unknown(name)),
+        _ => Err(unknown(name, None)),
     }
 }
 
@@ -152,17 +159,32 @@ fn parse_for(
     match name.split_once('.') {
         Some(("input", number)) => input(bench, index, module, number, value),
         Some(("ain", number)) => analog_input(module, number, value),
-        Some(("step_dir", signal)) => parse_step_dir(signal, name, value),
+        Some(("step_dir", signal)) => parse_step_dir(module, signal, name, value),
         Some(("fault", fault)) => parse_fault(module, fault, name, value),
-        _ => parse_plain(name, value),
+        _ => parse_plain(module, name, value),
     }
 }
 
-fn unknown(name: &str) -> SettingError {
-    SettingError::name(format!("nothing called \"{name}\" can be set"), suggest::help(name, &SETTINGS))
+/// A complaint about a name of nothing that can be set: on a module for motors of one family, or on any.
+pub(super) fn unknown(name: &str, family: Option<MotorFamily>) -> SettingError {
+    let known = SETTINGS.into_iter().filter(|setting| is_of(setting, family));
+    let known: Vec<&str> = known.collect();
+    SettingError::name(format!("nothing called \"{name}\" can be set"), suggest::help(name, &known))
 }
 
-fn parse_plain(name: &str, value: SettingValue<'_>) -> Result<Setting, SettingError> {
+/// Whether a setting is one of a module for motors of this family.
+fn is_of(setting: &str, family: Option<MotorFamily>) -> bool {
+    const STEPPER_ONLY: [&str; 3] = ["step_dir.", "fault.coil_", "fault.dropped_steps"];
+    const BRUSHLESS_ONLY: [&str; 2] = ["fault.phase_", "fault.hall_"];
+    let others: &[&str] = match family {
+        None => &[],
+        Some(MotorFamily::Stepper) => &BRUSHLESS_ONLY,
+        Some(MotorFamily::Brushless) => &STEPPER_ONLY,
+    };
+    !others.iter().any(|prefix| setting.starts_with(prefix))
+}
+
+fn parse_plain(module: &ModuleConfig, name: &str, value: SettingValue<'_>) -> Result<Setting, SettingError> {
     let number = |quantity: &Quantity| quantity_of(name, value, quantity);
     match name {
         "load.torque_nm" => number(&quantity::TORQUE).map(Setting::LoadTorqueNm),
@@ -174,11 +196,20 @@ fn parse_plain(name: &str, value: SettingValue<'_>) -> Result<Setting, SettingEr
             let choices = [("off", Power::Off), ("on", Power::On), ("cycle", Power::Cycle)];
             choice(name, value, &choices).map(Setting::Power)
         }
-        _ => Err(unknown(name)),
+        _ => Err(unknown(name, Some(module.kind.motor()))),
     }
 }
 
-fn parse_step_dir(signal: &str, name: &str, value: SettingValue<'_>) -> Result<Setting, SettingError> {
+fn parse_step_dir(
+    module: &ModuleConfig,
+    signal: &str,
+    name: &str,
+    value: SettingValue<'_>,
+) -> Result<Setting, SettingError> {
+    if module.kind.motor() != MotorFamily::Stepper {
+        let message = format!("{} has no step/direction connector", module.name);
+        return Err(SettingError::name(message, format!("it is a {}", module.kind.spec().id)));
+    }
     match signal {
         "frequency_hz" => quantity_of(name, value, &quantity::PULSE_FREQUENCY).map(Setting::StepFrequencyHz),
         "pulses" if value == SettingValue::Text("endless") => Ok(Setting::StepPulses(None)),
@@ -186,51 +217,7 @@ fn parse_step_dir(signal: &str, name: &str, value: SettingValue<'_>) -> Result<S
             .map(|pulses| Setting::StepPulses(Some(pulses)))
             .map_err(|error| SettingError { help: Some("or \"endless\"".to_owned()), ..error }),
         "enable" => whole(name, value, 0..=1).map(|level| Setting::StepEnable(level == 1)),
-        _ => Err(unknown(name)),
-    }
-}
-
-/// Full steps that an event may make the rotor slip.
-const DROPPED_STEPS: RangeInclusive<i32> = -1_000_000..=1_000_000;
-
-fn parse_fault(
-    module: &ModuleConfig,
-    fault: &str,
-    name: &str,
-    value: SettingValue<'_>,
-) -> Result<Setting, SettingError> {
-    let coils = [("none", None), ("a", Some(Coil::A)), ("b", Some(Coil::B))];
-    let lines = [
-        ("none", None),
-        ("a", Some(EncoderLine::A)),
-        ("b", Some(EncoderLine::B)),
-        ("index", Some(EncoderLine::Index)),
-    ];
-    let switches = &module.switches;
-    let contacts = [("none", None), ("open", Some(Contact::Open)), ("closed", Some(Contact::Closed))];
-    let contact = |switch, there: bool| {
-        let stuck = choice(name, value, &contacts)?;
-        let missing = || {
-            let message = format!("{} has no {} switch", module.name, fault.trim_start_matches("switch_"));
-            SettingError::name(message, "a switch needs a place in [module.switches], however far away")
-        };
-        there.then_some(Setting::SwitchContact { switch, stuck }).ok_or_else(missing)
-    };
-    match fault {
-        "encoder_line" => choice(name, value, &lines).map(Setting::EncoderLine),
-        "coil_open" => choice(name, value, &coils).map(Setting::CoilOpen),
-        "coil_short" => choice(name, value, &coils).map(Setting::CoilShort),
-        "switch_left" => contact(SwitchName::Left, switches.left.is_some()),
-        "switch_right" => contact(SwitchName::Right, switches.right.is_some()),
-        "switch_home" => contact(SwitchName::Home, switches.home.is_some()),
-        "board_temperature_c" => match value {
-            SettingValue::Text("none") => Ok(Setting::BoardTemperatureC(None)),
-            SettingValue::Text(_) => Err(SettingError::value(format!("{name} must be a number or \"none\""))),
-            SettingValue::Number(_) => quantity_of(name, value, &quantity::TEMPERATURE)
-                .map(|temperature_c| Setting::BoardTemperatureC(Some(temperature_c))),
-        },
-        "dropped_steps" => whole(name, value, DROPPED_STEPS).map(Setting::DroppedSteps),
-        _ => Err(unknown(name)),
+        _ => Err(unknown(name, Some(module.kind.motor()))),
     }
 }
 
@@ -251,12 +238,11 @@ fn input(
         let message = format!("{name} of {} is driven by a wire", module.name);
         return Err(SettingError::name(message, "set what drives the wire, or leave the [[wire]] out"));
     }
-    if module.switches.home.is_some() && pins.home == number {
-        let message = format!("{name} of {} is driven by its home switch", module.name);
-        return Err(SettingError::name(
-            message,
-            "fault.switch_home = \"open\" or \"closed\" overrides the switch",
-        ));
+    if let Some(switch) = pins::switch_at(module.kind, &module.switches, number) {
+        let switch = switch.word();
+        let message = format!("{name} of {} is driven by its {switch} switch", module.name);
+        let help = format!("fault.switch_{switch} = \"open\" or \"closed\" overrides the switch");
+        return Err(SettingError::name(message, help));
     }
     whole(&name, value, 0..=1).map(|level| Setting::Input { number, high: level == 1 })
 }
@@ -279,7 +265,11 @@ fn find_number(numbers: &[u8], text: &str) -> Option<u8> {
     numbers.iter().copied().find(|number| number.to_string() == text)
 }
 
-fn quantity_of(name: &str, value: SettingValue<'_>, quantity: &Quantity) -> Result<f64, SettingError> {
+pub(super) fn quantity_of(
+    name: &str,
+    value: SettingValue<'_>,
+    quantity: &Quantity,
+) -> Result<f64, SettingError> {
     match value {
         SettingValue::Number(number) => quantity.check(name, number).map_err(SettingError::value),
         SettingValue::Text(text) => {
@@ -289,7 +279,11 @@ fn quantity_of(name: &str, value: SettingValue<'_>, quantity: &Quantity) -> Resu
 }
 
 /// A whole number of some type within bounds.
-fn whole<T>(name: &str, value: SettingValue<'_>, allowed: RangeInclusive<T>) -> Result<T, SettingError>
+pub(super) fn whole<T>(
+    name: &str,
+    value: SettingValue<'_>,
+    allowed: RangeInclusive<T>,
+) -> Result<T, SettingError>
 where
     T: Copy + PartialOrd + TryFrom<i64> + core::fmt::Display,
 {
@@ -305,7 +299,11 @@ where
     found.ok_or_else(|| SettingError::value(format!("{wanted}, not {number}")))
 }
 
-fn choice<T: Copy>(name: &str, value: SettingValue<'_>, choices: &[(&str, T)]) -> Result<T, SettingError> {
+pub(super) fn choice<T: Copy>(
+    name: &str,
+    value: SettingValue<'_>,
+    choices: &[(&str, T)],
+) -> Result<T, SettingError> {
     let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
     let (found, help) = match value {
         SettingValue::Text(text) => (format!("\"{text}\""), suggest::help(text, &words)),

@@ -1,5 +1,7 @@
 //! Which pins a module offers to wires, levels and events, and how they are called.
 
+use super::setting::SwitchName;
+use super::switches::SwitchesConfig;
 use crate::ModuleKind;
 
 /// What a module's pins are, by their port numbers.
@@ -14,15 +16,15 @@ pub(super) struct Pins {
     pub(super) analog_keys: &'static [&'static str],
     /// Outputs: `output.0`.
     pub(super) outputs: &'static [u8],
-    /// The input that the home switch is wired to.
-    pub(super) home: u8,
+    /// The switches that are wired to digital inputs, and to which.
+    pub(super) switches: &'static [(SwitchName, u8)],
 }
 
 /// Full scale of an analogue input (TMCM-1311 §5.7.15.2: 12 bits).
 pub(super) const ANALOG_MAX: u16 = 4095;
 
 /// The pins of a module. IN_0 and IN_4 of the TMCM-1311 are AIN_0 and AIN_4 read as digital inputs (§5.7.15.1): they have no
-/// level of their own.
+/// level of their own. The TMCM-1640's stop switches are IN_0 and IN_1 (TMCM-1640 §3.1).
 pub(super) const fn of(kind: ModuleKind) -> &'static Pins {
     match kind {
         ModuleKind::Tmcm1311 => &Pins {
@@ -31,9 +33,23 @@ pub(super) const fn of(kind: ModuleKind) -> &'static Pins {
             analog: &[0, 4],
             analog_keys: &["ain_0", "ain_4"],
             outputs: &[0, 1, 2, 3, 4, 5, 6, 7],
-            home: 1,
+            switches: &[(SwitchName::Home, 1)],
+        },
+        ModuleKind::Tmcm1640 => &Pins {
+            inputs: &[0, 1],
+            input_keys: &["in_0", "in_1"],
+            analog: &[0],
+            analog_keys: &["ain_0"],
+            outputs: &[0],
+            switches: &[(SwitchName::Right, 0), (SwitchName::Left, 1)],
         },
     }
+}
+
+/// The switch that drives an input of a module, if there is one.
+pub(super) fn switch_at(kind: ModuleKind, switches: &SwitchesConfig, input: u8) -> Option<SwitchName> {
+    let wired = of(kind).switches.iter().find(|(_, number)| *number == input);
+    wired.map(|(name, _)| *name).filter(|name| switches.get(*name).is_some())
 }
 
 /// `input.1, input.2 and so on` of a list of numbers.
@@ -66,7 +82,7 @@ mod tests {
                 let port = kind.spec().port(2, *number).expect("a port of the tables");
                 assert_eq!(port.direction, Direction::Output);
             }
-            assert!(pins.inputs.contains(&pins.home));
+            assert!(pins.switches.iter().all(|(_, input)| pins.inputs.contains(input)));
         }
     }
 }

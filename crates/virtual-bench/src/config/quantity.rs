@@ -64,6 +64,7 @@ pub(super) const TURNS: Quantity = Quantity::new("turns", -1e6..=1e6);
 pub(super) const TURNS_FROM_START: Quantity = Quantity::new("turns", 0.0..=1e6);
 pub(super) const TURNS_TO_START: Quantity = Quantity::new("turns", -1e6..=0.0);
 pub(super) const WIDTH: Quantity = Quantity::new("turns", 1e-4..=1e6);
+pub(super) const ELECTRICAL_ANGLE: Quantity = Quantity::new("°", -360.0..=360.0);
 /// Either direction.
 pub(super) const PULSE_FREQUENCY: Quantity = Quantity::new("Hz", -1e6..=1e6);
 /// Turns or seconds.

@@ -33,6 +33,17 @@ pub enum Setting {
     CoilOpen(Option<Coil>),
     /// A coil that is shorted to ground; `None`: neither.
     CoilShort(Option<Coil>),
+    /// A phase whose wire is off; `None`: none.
+    PhaseOpen(Option<Phase>),
+    /// A phase that is shorted to ground; `None`: none.
+    PhaseShort(Option<Phase>),
+    /// A hall sensor whose line shows one level only.
+    HallLine {
+        /// Which.
+        sensor: HallSensor,
+        /// The level, high or low; `None`: it works.
+        stuck: Option<bool>,
+    },
     /// A switch whose contact is stuck.
     SwitchContact {
         /// Which.
@@ -74,6 +85,28 @@ pub enum Coil {
     B,
 }
 
+/// A phase of a three-phase motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Phase U.
+    U,
+    /// Phase V.
+    V,
+    /// Phase W.
+    W,
+}
+
+/// A hall sensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HallSensor {
+    /// H1.
+    H1,
+    /// H2.
+    H2,
+    /// H3.
+    H3,
+}
+
 /// A switch of a module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SwitchName {
@@ -83,6 +116,17 @@ pub enum SwitchName {
     Right,
     /// The home switch.
     Home,
+}
+
+impl SwitchName {
+    /// What people call it.
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+            Self::Home => "home",
+        }
+    }
 }
 
 /// The state of a contact.

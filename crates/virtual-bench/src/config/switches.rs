@@ -5,18 +5,32 @@ use motor_physics::switch::SwitchConfig;
 use super::error::ConfigError;
 use super::quantity;
 use super::section::Section;
+use super::setting::SwitchName;
+use crate::ModuleKind;
 
 /// The switches of a module. A switch that is not there is one that never opens.
 ///
 /// The contacts are normally closed (decision: reference search): a switch that the shaft presses is open.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SwitchesConfig {
-    /// The left stop switch.
+    /// The left stop switch; on a TMCM-1640 it is wired to IN_1.
     pub left: Option<SwitchConfig>,
-    /// The right stop switch.
+    /// The right stop switch; on a TMCM-1640 it is wired to IN_0.
     pub right: Option<SwitchConfig>,
-    /// The home switch; on a TMCM-1311 it is wired to IN_1.
+    /// The home switch; on a TMCM-1311 it is wired to IN_1. A TMCM-1640 has none.
     pub home: Option<SwitchConfig>,
+}
+
+impl SwitchesConfig {
+    /// A switch by its name.
+    #[must_use]
+    pub fn get(&self, name: SwitchName) -> Option<SwitchConfig> {
+        match name {
+            SwitchName::Left => self.left,
+            SwitchName::Right => self.right,
+            SwitchName::Home => self.home,
+        }
+    }
 }
 
 /// Width of a home switch that says nothing about it (chosen: ten full steps of a 200-step motor).
@@ -36,15 +50,30 @@ enum Side {
 }
 
 /// Reads the section.
-pub(super) fn read(mut section: Section<'_, '_>) -> SwitchesConfig {
+pub(super) fn read(mut section: Section<'_, '_>, kind: ModuleKind) -> SwitchesConfig {
+    let home_there = has_home(kind);
+    if !home_there && let Some(span) = section.key_span("home") {
+        section.entry("home");
+        let message = format!("the {} has no home switch", kind.spec().id);
+        section.complain(ConfigError::new(span, message).with_help("it has a left and a right one"));
+    }
     let mut switch = |key, name, usual| read_switch(section.section(key, name)?, usual);
     let switches = SwitchesConfig {
         left: switch("left", "module.switches.left", Side::Below),
         right: switch("right", "module.switches.right", Side::Above),
-        home: switch("home", "module.switches.home", Side::Window(DEFAULT_WIDTH_TURNS)),
+        home: home_there
+            .then(|| switch("home", "module.switches.home", Side::Window(DEFAULT_WIDTH_TURNS)))
+            .flatten(),
     };
     section.finish();
     switches
+}
+
+fn has_home(kind: ModuleKind) -> bool {
+    match kind {
+        ModuleKind::Tmcm1311 => true,
+        ModuleKind::Tmcm1640 => false,
+    }
 }
 
 fn read_switch(mut section: Section<'_, '_>, usual: Side) -> Option<SwitchConfig> {

@@ -108,8 +108,8 @@ fn check_free(section: &mut Section<'_, '_>, to: Pin, modules: &[ModuleConfig], 
         "another wire"
     } else if module.inputs.digital.contains_key(&to.number) {
         "a level in [module.inputs]"
-    } else if module.switches.home.is_some() && pins::of(module.kind).home == to.number {
-        "the home switch"
+    } else if let Some(switch) = pins::switch_at(module.kind, &module.switches, to.number) {
+        &format!("the {} switch", switch.word())
     } else {
         return;
     };

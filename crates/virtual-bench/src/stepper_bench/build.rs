@@ -2,15 +2,14 @@
 
 use driver_chips::tmc262::{Board, Tmc262};
 use module_firmware::tmcm_1311::Sensed;
-use motor_physics::encoder::{Encoder, EncoderConfig, EncoderFault};
 use motor_physics::heat::{HeatParameters, HeatedBody};
-use motor_physics::mechanics::Mechanics;
 use motor_physics::stepper::{Stepper, StepperParameters};
 use motor_physics::supply::Supply;
 use motor_physics::switch::LimitSwitch;
 
 use super::pulse_source::PulseSource;
 use super::{StepperBench, SurroundingsState};
+use crate::bench_parts::{encoder, levels, mechanics};
 use crate::config::{ModuleConfig, MotorConfig};
 use crate::kind::ModuleKind;
 
@@ -21,13 +20,13 @@ impl StepperBench {
     /// Everything at rest, the shaft at 0.
     pub(crate) fn new(config: &ModuleConfig) -> Self {
         let parameters = motor(config);
-        let motor = Stepper::new(parameters, mechanics(config, &parameters));
+        let motor = Stepper::new(parameters, mechanics(&config.load, parameters.rotor_inertia_kgm2));
         let turns = motor.turns();
         let switches = [config.switches.left, config.switches.right, config.switches.home];
         let mut bench = Self {
             chip: Tmc262::new(BOARD),
             load: config.load.torque.clone(),
-            encoder: encoder(config, turns),
+            encoder: encoder(&config.encoder, turns),
             encoder_has_index: config.encoder.index,
             switches: switches.map(|switch| switch.map(|switch| LimitSwitch::new(switch, turns))),
             pulses: pulse_source(config),
@@ -49,7 +48,6 @@ impl StepperBench {
 }
 
 fn surroundings(config: &ModuleConfig) -> SurroundingsState {
-    let digital = config.inputs.digital.iter().filter(|(number, high)| **high && **number < 8);
     let analog = |number: u8| config.inputs.analog.get(&number).copied().unwrap_or(0);
     SurroundingsState {
         powered: true,
@@ -58,7 +56,7 @@ fn surroundings(config: &ModuleConfig) -> SurroundingsState {
         open_coil: None,
         shorted_coil: None,
         enabled: config.step_dir.enabled,
-        inputs: digital.fold(0, |inputs, (number, _)| inputs | (1 << number)),
+        inputs: levels(&config.inputs),
         analog_inputs: [analog(0), analog(4)],
     }
 }
@@ -74,21 +72,4 @@ fn pulse_source(config: &ModuleConfig) -> PulseSource {
 fn motor(config: &ModuleConfig) -> StepperParameters {
     let default = || MotorConfig::default_for(ModuleKind::Tmcm1311).stepper();
     config.motor.stepper().or_else(default).expect("the TMCM-1311's default motor is a stepper")
-}
-
-fn mechanics(config: &ModuleConfig, motor: &StepperParameters) -> Mechanics {
-    let load = &config.load;
-    Mechanics {
-        inertia_kgm2: motor.rotor_inertia_kgm2 + load.inertia_kgm2,
-        friction_nm: load.friction_nm,
-        viscous_nm_s_per_rad: load.viscous_nm_s_per_rad,
-        hard_stops: load.hard_stops,
-    }
-}
-
-fn encoder(config: &ModuleConfig, turns: f64) -> Encoder {
-    let crate::config::EncoderConfig { counts, offset_turns, inverted, index } = config.encoder;
-    let mut encoder = Encoder::new(EncoderConfig { counts_per_turn: counts, offset_turns, inverted }, turns);
-    encoder.fault = if index { EncoderFault::None } else { EncoderFault::Index };
-    encoder
 }

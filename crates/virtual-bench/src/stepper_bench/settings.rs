@@ -1,13 +1,12 @@
 //! What can be changed about a stepper module's surroundings while it runs.
 
 use driver_chips::tmc262::Tmc262;
-use motor_physics::encoder::{Encoder, EncoderFault};
 use motor_physics::load::LoadTorque;
-use motor_physics::switch::SwitchFault;
 
 use super::StepperBench;
 use super::build::BOARD;
-use crate::config::{Contact, EncoderLine, Power, Setting, SwitchName};
+use crate::bench_parts::{encoder_fault, restarted, stick, with_level};
+use crate::config::{Power, Setting, SwitchName};
 use crate::module::Surroundings;
 
 /// Full steps in an electrical period.
@@ -23,8 +22,7 @@ impl Surroundings for StepperBench {
             }
             Setting::LoadFrictionNm(friction_nm) => self.motor.mechanics.friction_nm = friction_nm,
             Setting::Input { number, high } => {
-                let bit = 1_u8.checked_shl(number.into()).unwrap_or(0);
-                state.inputs = if high { state.inputs | bit } else { state.inputs & !bit };
+                state.inputs = with_level(state.inputs, number, high);
             }
             Setting::AnalogInput { number, reading } => {
                 let [ain_0, ain_4] = &mut state.analog_inputs;
@@ -39,7 +37,15 @@ impl Surroundings for StepperBench {
             Setting::EncoderLine(line) => self.encoder.fault = encoder_fault(line, self.encoder_has_index),
             Setting::CoilOpen(coil) => state.open_coil = coil,
             Setting::CoilShort(coil) => state.shorted_coil = coil,
-            Setting::SwitchContact { switch, stuck } => self.stick(switch, stuck),
+            Setting::SwitchContact { switch, stuck } => {
+                let [left, right, home] = &mut self.switches;
+                let switch = match switch {
+                    SwitchName::Left => left,
+                    SwitchName::Right => right,
+                    SwitchName::Home => home,
+                };
+                stick(switch.as_mut(), stuck);
+            }
             Setting::BoardTemperatureC(board_temperature_c) => {
                 state.board_temperature_c = board_temperature_c;
             }
@@ -48,6 +54,8 @@ impl Surroundings for StepperBench {
             Setting::StepPulses(pulses) => self.pulses.set_pulses(pulses),
             Setting::StepEnable(enabled) => state.enabled = enabled,
             Setting::Power(power) => self.switch(power),
+            // A stepper has neither phases U, V, W nor hall sensors.
+            Setting::PhaseOpen(_) | Setting::PhaseShort(_) | Setting::HallLine { .. } => {}
         }
         // What changed may show at once, even if nothing moves; an index that the firmware has not seen yet stays.
         let index_pending = self.sensed.encoder_index;
@@ -71,34 +79,6 @@ impl StepperBench {
         self.surroundings.powered = power != Power::Off;
         self.chip = Tmc262::new(BOARD);
         self.pulses.forget_steps();
-        let fault = self.encoder.fault;
-        self.encoder = Encoder::new(self.encoder.config(), self.motor.turns());
-        self.encoder.fault = fault;
-    }
-
-    fn stick(&mut self, switch: SwitchName, stuck: Option<Contact>) {
-        let [left, right, home] = &mut self.switches;
-        let switch = match switch {
-            SwitchName::Left => left,
-            SwitchName::Right => right,
-            SwitchName::Home => home,
-        };
-        if let Some(switch) = switch {
-            switch.fault = match stuck {
-                None => SwitchFault::None,
-                Some(Contact::Open) => SwitchFault::StuckOpen,
-                Some(Contact::Closed) => SwitchFault::StuckClosed,
-            };
-        }
-    }
-}
-
-/// An encoder without an index is one whose index never comes.
-fn encoder_fault(line: Option<EncoderLine>, has_index: bool) -> EncoderFault {
-    match line {
-        None if has_index => EncoderFault::None,
-        Some(EncoderLine::A) => EncoderFault::LineA,
-        Some(EncoderLine::B) => EncoderFault::LineB,
-        None | Some(EncoderLine::Index) => EncoderFault::Index,
+        self.encoder = restarted(&self.encoder, self.motor.turns());
     }
 }

@@ -78,6 +78,21 @@ fn motors() {
 }
 
 #[test]
+fn what_a_module_for_brushless_motors_has_not() {
+    assert_snapshot!(errors(
+        "[[module]]\nkind = \"tmcm-1640\"\n[module.motor]\npreset = \"QSH5718-51-28-101\"\n[module.step_dir]\nenable = 1\n\
+         [module.switches]\nhome.at_turns = 1\nright.at_turns = 1\n[module.inputs]\nin_0 = 1\nin_2 = 1\n\
+         [module.halls]\noffset_deg = 400\ninverted = 1\noffset = 3\n\
+         [[module]]\nkind = \"tmcm-1640\"\n[module.motor]\nholding_torque_nm = 1\n\
+         [[module]]\nkind = \"tmcm-1640\"\n[module.motor]\nrated_current_a = 1\n\
+         [[module]]\nkind = \"tmcm-1640\"\n[module.motor]\npole_pairs = 4\ntorque_constant_nm_per_a = 0.001\n\
+         line_resistance_ohm = 0.7\nline_inductance_h = 1e-3\nrated_current_a = 3\nrotor_inertia_kgm2 = 5e-6\n\
+         [[module]]\nkind = \"tmcm-1311\"\n[module.halls]\n\
+         [[wire]]\nfrom = \"m2.output.0\"\nto = \"m1.input.0\"\n"
+    ));
+}
+
+#[test]
 fn figures_that_no_physics_can_follow() {
     assert_snapshot!(in_module(
         "[module.motor]\nrated_current_a = 2\nresistance_ohm = 100\ninductance_h = 1e-3\nholding_torque_nm = 0.5\n\

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::super::{SETTINGS, parse, parse_setting};
 use crate::{ModuleKind, config::BenchConfig};
 
-const KEYS: [&str; 31] = [
+const KEYS: [&str; 33] = [
     "temperature_c",
     "voltage_v",
     "kind",
@@ -31,6 +31,8 @@ const KEYS: [&str; 31] = [
     "ain_0",
     "frequency_hz",
     "pulses",
+    "offset_deg",
+    "torque_constant_nm_per_a",
     "enable",
     "from",
     "to",
@@ -39,7 +41,7 @@ const KEYS: [&str; 31] = [
     "µ",
 ];
 
-const HEADERS: [&str; 13] = [
+const HEADERS: [&str; 14] = [
     "[supply]",
     "[[module]]",
     "[module.motor]",
@@ -50,12 +52,13 @@ const HEADERS: [&str; 13] = [
     "[module.switches.home]",
     "[module.inputs]",
     "[module.step_dir]",
+    "[module.halls]",
     "[[wire]]",
     "[[event]]",
     "[event.set]",
 ];
 
-const VALUES: [&str; 20] = [
+const VALUES: [&str; 21] = [
     "1",
     "-1",
     "0",
@@ -66,6 +69,7 @@ const VALUES: [&str; 20] = [
     "99999999999999999999999",
     "true",
     "\"tmcm-1311\"",
+    "\"tmcm-1640\"",
     "\"a\"",
     "\"m1.output.0\"",
     "\"m1.input.1\"",

@@ -1,14 +1,20 @@
 //! Settings by name.
 
 use super::super::{
-    BenchConfig, Coil, Contact, EncoderLine, Part, Power, SETTINGS, Setting, SettingError, SwitchName,
-    parse_setting,
+    BenchConfig, Coil, Contact, EncoderLine, HallSensor, Part, Phase, Power, SETTINGS, Setting, SettingError,
+    SwitchName, parse_setting,
 };
 use super::bench;
 
 fn single() -> BenchConfig {
     bench(
         "[[module]]\nkind = \"tmcm-1311\"\n[module.switches]\nleft.at_turns = -1\nright.at_turns = 1\nhome.at_turns = 0\n",
+    )
+}
+
+fn brushless() -> BenchConfig {
+    bench(
+        "[[module]]\nkind = \"tmcm-1640\"\n[module.switches]\nleft.at_turns = -1\n[[module]]\nkind = \"tmcm-1640\"\n",
     )
 }
 
@@ -61,13 +67,67 @@ fn every_setting_is_understood() {
         ("fault.dropped_steps", "-4", Setting::DroppedSteps(-4)),
         ("power", "cycle", Setting::Power(Power::Cycle)),
     ];
-    for ((name, value, expected), listed) in cases.into_iter().zip(SETTINGS) {
+    let listed = SETTINGS.into_iter().filter(|name| !BRUSHLESS_FAULTS.contains(name));
+    assert_eq!(cases.len(), listed.clone().count());
+    for ((name, value, expected), listed) in cases.into_iter().zip(listed) {
         assert_eq!(name.split('.').next(), listed.split('.').next());
         assert_eq!(set(name, value), expected, "{name}");
         assert_eq!(set(&format!("m1.{name}"), value), expected, "m1.{name}");
     }
     assert_eq!(set("fault.board_temperature_c", "none"), Setting::BoardTemperatureC(None));
     assert_eq!(set("step_dir.pulses", "endless"), Setting::StepPulses(None));
+}
+
+/// What can break around a brushless motor only.
+const BRUSHLESS_FAULTS: [&str; 5] =
+    ["fault.phase_open", "fault.phase_short", "fault.hall_1", "fault.hall_2", "fault.hall_3"];
+
+#[test]
+fn every_fault_of_a_brushless_motor_is_understood() {
+    let hall = |sensor, stuck| Setting::HallLine { sensor, stuck };
+    let cases = [
+        ("fault.phase_open", "u", Setting::PhaseOpen(Some(Phase::U))),
+        ("fault.phase_open", "v", Setting::PhaseOpen(Some(Phase::V))),
+        ("fault.phase_short", "w", Setting::PhaseShort(Some(Phase::W))),
+        ("fault.phase_short", "none", Setting::PhaseShort(None)),
+        ("fault.hall_1", "low", hall(HallSensor::H1, Some(false))),
+        ("fault.hall_2", "high", hall(HallSensor::H2, Some(true))),
+        ("fault.hall_3", "none", hall(HallSensor::H3, None)),
+    ];
+    for (name, value, expected) in cases {
+        assert!(SETTINGS.contains(&name) && BRUSHLESS_FAULTS.contains(&name));
+        let settings = parse_setting(&brushless(), &format!("m2.{name}"), value.into());
+        assert_eq!(settings, Ok(vec![(1, expected)]), "{name} = {value}");
+    }
+    let error = refused(&brushless(), "m1.fault.hall_1", "open");
+    assert_eq!((error.part, error.message.as_str()), (Part::Value, "fault.hall_1 cannot be \"open\""));
+    assert_eq!(error.help.as_deref(), Some("allowed here: none, low, high"));
+}
+
+#[test]
+fn what_a_module_does_not_have_cannot_be_set() {
+    let cases = [
+        ("m1.fault.coil_open", "fault.coil_open is a fault of a stepper, which m1 does not drive"),
+        ("m1.fault.dropped_steps", "fault.dropped_steps is a fault of a stepper, which m1 does not drive"),
+        ("m1.step_dir.enable", "m1 has no step/direction connector"),
+        ("m1.fault.switch_home", "fault.switch_home cannot be 1"),
+        ("m1.fault.hall_4", "nothing called \"fault.hall_4\" can be set"),
+        ("m1.input.2", "m1 has no input.2 to set"),
+        ("m1.input.1", "input.1 of m1 is driven by its left switch"),
+    ];
+    for (name, message) in cases {
+        assert_eq!(refused(&brushless(), name, "1").message, message, "{name}");
+    }
+    assert_eq!(refused(&brushless(), "m1.fault.switch_home", "open").message, "m1 has no home switch");
+    assert!(parse_setting(&brushless(), "m1.input.0", "1".into()).is_ok());
+    assert!(parse_setting(&brushless(), "m2.input.1", "1".into()).is_ok());
+    for name in BRUSHLESS_FAULTS {
+        let message = format!("{name} is a fault of a brushless motor, which m1 does not drive");
+        assert_eq!(refused(&single(), name, "none").message, message);
+    }
+    let help = refused(&brushless(), "m1.fault.hall_4", "low").help.expect("help");
+    assert!(help.starts_with("did you mean \"fault.hall_1\"?") || help.contains("fault.hall_3"), "{help}");
+    assert!(!help.contains("coil") && !help.contains("step_dir"), "{help}");
 }
 
 #[test]

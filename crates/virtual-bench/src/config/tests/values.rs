@@ -4,7 +4,9 @@ use motor_physics::load::{LoadTorque, Profile};
 use motor_physics::supply::SupplyParameters;
 use motor_physics::switch::SwitchConfig;
 
-use super::super::{BenchConfig, Coil, EncoderConfig, Event, MotorConfig, Setting, StepDirConfig, Wire};
+use super::super::{
+    BenchConfig, Coil, EncoderConfig, Event, HallsConfig, MotorConfig, Setting, StepDirConfig, Wire,
+};
 use super::bench;
 use crate::ModuleKind;
 
@@ -20,6 +22,35 @@ fn a_module_and_nothing_else_is_the_default_bench() {
     let supply = SupplyParameters { voltage_v: 48.0, source_resistance_ohm: 0.1, capacitance_f: 2200e-6 };
     assert_eq!(module.supply, supply);
     assert_eq!(module.load.inertia_kgm2, 0.0);
+}
+
+#[test]
+fn the_default_bench_of_a_module_for_brushless_motors() {
+    let default = BenchConfig::default_for(ModuleKind::Tmcm1640);
+    assert_eq!(bench("[[module]]\nkind = \"tmcm-1640\"\n[module.halls]\n"), default);
+    let module = &default.modules[0];
+    assert_eq!(module.motor, MotorConfig::Preset("QBL4208-61-04-013"));
+    assert_eq!((module.encoder.counts, module.supply.voltage_v), (4096, 24.0));
+    assert_eq!(module.halls, HallsConfig { offset_deg: 0.0, inverted: false });
+}
+
+#[test]
+fn a_brushless_motor_by_its_figures_and_its_hall_sensors() {
+    let bench = bench(
+        "[[module]]\nkind = \"1640\"\n[module.motor]\npole_pairs = 4\ntorque_constant_nm_per_a = 0.036\n\
+         line_resistance_ohm = 0.72\nline_inductance_h = 1.2e-3\nrated_current_a = 3.47\nrotor_inertia_kgm2 = 4.8e-6\n\
+         [module.halls]\noffset_deg = -30\ninverted = true\n",
+    );
+    let module = &bench.modules[0];
+    let motor = module.motor.brushless().expect("a brushless motor");
+    let preset = motor_physics::presets::pmsm("QBL4208-61-04-013").expect("a preset");
+    assert_eq!((motor.pole_pairs, motor.resistance_ohm), (preset.pole_pairs, preset.resistance_ohm));
+    assert_eq!((motor.d_inductance_h, motor.q_inductance_h), (preset.d_inductance_h, preset.q_inductance_h));
+    assert_eq!(motor.flux_linkage_wb, preset.flux_linkage_wb);
+    assert_eq!(motor.winding_time_constant_s, preset.winding_time_constant_s);
+    assert!((motor.rated_velocity_rad_s / preset.rated_velocity_rad_s - 1.0).abs() < 0.5);
+    assert_eq!(module.motor.stepper(), None);
+    assert_eq!(module.halls, HallsConfig { offset_deg: -30.0, inverted: true });
 }
 
 /// Empty sections say nothing either.
