@@ -41,7 +41,7 @@ fn turns_at(axis: &mut Bldc, rpm: i32) -> bool {
 #[test]
 fn hall_commutation_starts_from_any_angle_in_the_right_direction() {
     for place in 0..STARTS {
-        for rpm in [500, -500] {
+        for rpm in [500_i32, -500] {
             let mut axis = Bldc::strong();
             axis.place(start(place));
             let from = axis.turns();

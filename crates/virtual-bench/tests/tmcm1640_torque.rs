@@ -75,7 +75,7 @@ fn a_weight_is_lifted_from_rest_when_the_torque_exceeds_it() {
 /// Turning under a load that takes up the torque: a mean over whole turns.
 #[test]
 fn turning_the_torque_current_is_within_2_percent() {
-    for target in [500, 2000, 4000, -2000] {
+    for target in [500_i32, 2000, 4000, -2000] {
         let mut axis = Bldc::aligned();
         // Friction takes nearly all of it, so that the speed stays moderate, and viscosity of the bench takes the rest.
         axis.set("load.friction_nm", torque_nm(f64::from(target.abs()) / 1000.0) * 0.97);
