@@ -25,24 +25,26 @@ fn is_off(axis: &mut Bldc) -> bool {
     axis.range(100, |axis| axis.amplitude_ma()).1 < 5.0
 }
 
-/// Bit 0: lowering the limit faster than the current can follow leaves too much of it flowing.
+/// Bit 0: a regulator of 20 ms that has only an integral part takes its time to follow a lowered limit.
 #[test]
 fn overcurrent() {
     let mut axis = Bldc::strong();
     axis.clamp();
-    axis.set_all(&[(Ap::CurrentLoopDelay, 400), (Ap::TargetCurrent, 5000)]);
-    axis.run_ms(2000);
-    axis.sap(Ap::CurrentLoopDelay, 2);
-    axis.run_ms(300);
+    axis.set_all(&[
+        (Ap::CurrentLoopDelay, 400),
+        (Ap::CurrentP, 0),
+        (Ap::CurrentI, 10_000),
+        (Ap::TargetCurrent, 5000),
+    ]);
+    axis.run_ms(1500);
+    assert!((axis.amplitude_ma() / 5000.0 - 1.0).abs() < 0.05, "{}", axis.figures());
     assert!(!axis.flag(flag::OVERCURRENT), "{}", axis.figures());
-    axis.sap(Ap::CurrentLoopDelay, 400);
-    axis.run_ms(25);
     axis.sap(Ap::MaxCurrent, 1000);
-    axis.run_ticks(2);
-    assert!(axis.amplitude_ma() > 2000.0, "the current cannot be gone yet");
+    axis.run_ms(2);
+    assert!(axis.amplitude_ma() > 3000.0, "the current cannot be gone yet: {}", axis.figures());
     assert!(axis.flag(flag::OVERCURRENT), "{}", axis.figures());
-    axis.sap(Ap::CurrentLoopDelay, 2);
-    axis.run_ms(300);
+    axis.run_ms(1500);
+    assert!((axis.amplitude_ma() / 1000.0 - 1.0).abs() < 0.05, "{}", axis.figures());
     assert!(!axis.flag(flag::OVERCURRENT), "it resets itself; {}", axis.figures());
 }
 
@@ -108,7 +110,7 @@ fn braking_raises_the_voltage_until_the_protection_cuts_in() {
         assert!(axis.rpm().abs() < 50.0, "it stands in the end: {}", axis.figures());
         assert!(!axis.flag(flag::OVERVOLTAGE));
     }
-    assert!((29.9..31.0).contains(&peaks[0]), "{peaks:?} V");
+    assert!((29.9..32.0).contains(&peaks[0]), "{peaks:?} V");
     assert!(peaks[1] > 32.0, "{peaks:?} V");
 }
 
@@ -299,10 +301,11 @@ mod i2t {
             assert!(axis.flag(flag::I2T), "cleared {after_ms} ms after tripping, less than {window}");
             assert!(axis.amplitude_ma() < 5.0);
         }
-        axis.run_ms(400);
+        // Whether the time counts from the trip or from when the sum fell, it has passed after another window.
+        axis.run_ms(2400);
         assert!(axis.flag(flag::I2T), "not of itself");
         axis.sap(Ap::ClearI2tFlag, 0);
-        assert!(!axis.flag(flag::I2T), "{after_ms} ms and 400 after tripping: {}", axis.figures());
+        assert!(!axis.flag(flag::I2T), "{after_ms} ms and 2400 after tripping: {}", axis.figures());
         axis.run_ms(100);
         assert!(
             (axis.amplitude_ma() / 4000.0 - 1.0).abs() < 0.02,

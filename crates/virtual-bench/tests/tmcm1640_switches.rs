@@ -109,8 +109,10 @@ fn a_move_stops_at_the_switch() {
     assert!(axis.rpm().abs() < 15.0, "{}", axis.figures());
     assert_eq!(axis.gap(Ap::PositionReached), 0);
     axis.go(0);
-    axis.reach(4000);
-    axis.run_ms(300);
+    axis.run_ms(100);
+    RIGHT.set(&mut axis, 0);
+    axis.reach(8000);
+    axis.run_ms(3000);
     assert!((axis.turns() - zero).abs() < 0.003, "back from it: {}", axis.figures());
 }
 

@@ -286,7 +286,8 @@ impl Bldc {
         }
         self.clamp();
         self.set("load.torque_nm", 0);
-        self.run_ms(10);
+        // By halls the speed reads 0 only half a second after the last edge (decisions 6.2).
+        self.run_ms(600);
         assert!(self.rpm().abs() < 1e-6, "{} rpm", self.rpm());
         self.release();
         self.run_ms(1);
