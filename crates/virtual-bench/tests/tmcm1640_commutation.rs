@@ -28,10 +28,10 @@ fn worst_deg(axis: &mut Bldc, parameter: Ap, ticks: u64) -> f64 {
     low.abs().max(high.abs())
 }
 
-/// Whether it turns as it was told, in the mean of half a second.
+/// Whether it turns as it was told, in the mean of half a second, when the regulator had its time.
 fn turns_at(axis: &mut Bldc, rpm: i32) -> bool {
     axis.rotate(rpm);
-    axis.run_ms(1000);
+    axis.run_ms(2500);
     let from = axis.turns();
     axis.run_ms(500);
     let mean = (axis.turns() - from) * 120.0;

@@ -176,7 +176,8 @@ fn the_error_sum_carries_the_voltage_of_the_winding() {
     assert!(error.abs() < 60.0, "AP 200 = {error:.1}");
     // Half of the 0.72 Ω between two lines at 4 A is 1.44 V; 32 767 is 24 V / √3 (decisions 6.2, 8.3).
     let sum = axis.mean(2000, |axis| f64::from(axis.gap(Ap::CurrentPidErrorSum)));
-    let volts = sum * 600.0 / 65_536.0 / 32_767.0 * 24.0 / 3.0_f64.sqrt();
+    let gain = f64::from(axis.gap(Ap::CurrentI));
+    let volts = sum * gain / 65_536.0 / 32_767.0 * 24.0 / 3.0_f64.sqrt();
     assert!((volts / 1.44 - 1.0).abs() < 0.15, "{volts:.2} V");
 }
 
