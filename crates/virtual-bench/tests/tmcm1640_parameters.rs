@@ -247,7 +247,7 @@ fn exactly_these_globals_exist() {
         match known {
             Some((132, _, _)) => assert_eq!(reply.status, Ok),
             Some((_, default, _)) => {
-                assert_eq!((reply.status, i64::from(reply.value)), (Ok, *default), "GP {number}")
+                assert_eq!((reply.status, i64::from(reply.value)), (Ok, *default), "GP {number}");
             }
             None => {
                 assert_eq!(reply.status, WrongType, "GGP {number}");
