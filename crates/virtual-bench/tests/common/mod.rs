@@ -1,6 +1,8 @@
-//! A host that talks to a virtual TMCM-1311 in process, and takes nothing that the wire format does not allow.
+//! A host that talks to a virtual module in process, and takes nothing that the wire format does not allow. What it says of
+//! axis parameters is the TMCM-1311's; [`bldc`] has the host of a TMCM-1640.
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
+pub(crate) mod bldc;
 pub(crate) mod closed_loop;
 pub(crate) mod motion;
 pub(crate) mod program;
