@@ -3,6 +3,7 @@
 use motion_control::foc::hall::HallTracker;
 use motion_control::foc::speed::HallTachometer;
 
+use super::initialization::Initialization;
 use super::{AxisParameter, Tmcm1640};
 
 /// AP 159: the encoder commutates; anything else: the hall sensors.
@@ -77,14 +78,16 @@ impl Tmcm1640 {
         if self.is_encoder_mode() { self.encoder.counts } else { self.halls.count() }
     }
 
-    /// The N channel passed. The first time it makes AP 165 a place on the encoder's disc, whatever the counter was before;
-    /// the angle stays as it is.
+    /// The N channel passed. The first time it makes AP 165, which was found without it, a place on the encoder's disc: the
+    /// angle stays as it is. Where the motor is being turned to the N channel, AP 165 is such a place already.
     fn take_index(&mut self) {
         if !self.encoder.referenced {
             let offset = self.commutation_offset() - self.encoder.within_turn;
             self.encoder.within_turn = 0;
             self.encoder.referenced = true;
-            self.set_commutation_offset(offset);
+            if !matches!(self.initialization, Some(Initialization::Turn { .. })) {
+                self.set_commutation_offset(offset);
+            }
         }
         if self.kept_value(AxisParameter::ClearOnNull) != 0 {
             self.zero_position();

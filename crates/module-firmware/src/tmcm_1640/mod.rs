@@ -206,11 +206,11 @@ impl Axis for Tmcm1640 {
     }
 
     fn has_happened(&self, event: WaitEvent) -> bool {
-        let [left, right] = self.active_switches();
         match event {
             WaitEvent::PositionReached => self.regulation.position_reached,
-            WaitEvent::ReferenceSwitch => left,
-            WaitEvent::LimitSwitch => left || right,
+            WaitEvent::ReferenceSwitch | WaitEvent::LimitSwitch => {
+                self.active_switches().into_iter().any(|active| active)
+            }
             WaitEvent::ReferenceSearch => true,
         }
     }

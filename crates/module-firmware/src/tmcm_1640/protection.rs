@@ -26,11 +26,16 @@ pub(super) fn window_ticks(kept: &Values<{ AxisParameter::COUNT }>) -> u64 {
     u64::from(window_ms.cast_unsigned()) * TICKS_PER_MS
 }
 
+/// A driver that reported an error stays off for so long, which clears what it latched, and is tried again: 100 ms (decision).
+const RETRY_TICKS: u32 = 100 * TICKS_PER_MS as u32;
+
 /// What lasts until its cause has passed by a margin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Protection {
     overvoltage: bool,
     overtemperature: bool,
+    /// Control periods until the driver is tried again.
+    retry_ticks: u32,
 }
 
 impl Tmcm1640 {
@@ -42,6 +47,8 @@ impl Tmcm1640 {
         self.protection.overvoltage = protects && voltage_dv > limit_dv;
         let limit = if self.protection.overtemperature { HOT_OVER_ADC } else { HOT_ADC };
         self.protection.overtemperature = self.sensed.driver_temperature_adc >= limit;
+        let left = self.protection.retry_ticks.saturating_sub(1);
+        self.protection.retry_ticks = if self.sensed.driver_error { RETRY_TICKS } else { left };
         if self.i2t.tick(self.current_square(), self.i2t_limit()) {
             let counter = AxisParameter::I2tExceedCounter.index();
             self.kept.set(counter, self.kept.get(counter).wrapping_add(1));
@@ -54,6 +61,7 @@ impl Tmcm1640 {
             && self.sensed.supply_voltage_dv >= UNDERVOLTAGE_DV
             && !self.protection.overvoltage
             && !self.protection.overtemperature
+            && self.protection.retry_ticks == 0
             && !self.i2t.is_flagged()
     }
 
@@ -68,7 +76,7 @@ impl Tmcm1640 {
             (3, self.protection.overtemperature),
             (4, halted),
             (5, self.halls.error().is_some()),
-            (6, self.sensed.driver_error),
+            (6, self.protection.retry_ticks > 0),
             (9, self.mode == RegulationMode::Velocity),
             (10, self.mode == RegulationMode::Position),
             (11, self.mode == RegulationMode::Torque),
