@@ -6,11 +6,12 @@ and a fine encoder.
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import pytest
 from harness import Server, status_of, wait_for
 from pytrinamic.modules import TMCM1311
 from pytrinamic.tmcl import TMCLStatus
@@ -77,24 +78,24 @@ def double_and_return(module: TMCM1311, counts: int, turn_s: float) -> None:
     assert abs(motor.actual_position) <= 50
 
 
-@pytest.mark.parametrize("counts", ENCODERS)
-@pytest.mark.parametrize("name", MOTORS)
-def test_the_vendors_example(serve: Callable[..., Server], tmp_path: Path, name: str, counts: int) -> None:
-    """Every motor with either encoder, in time-lapse."""
-    server = serve("--bench", bench(tmp_path, name, counts), "--tcp", "127.0.0.1:0", "--speed", "20")
-    with server.ports[0].connect() as connection:
-        module = TMCM1311(connection)
-        close_loop(module, counts)
-        double_and_return(module, counts, turn_s=0.1)
+def test_the_vendors_example_in_real_time(serve: Callable[..., Server], tmp_path: Path) -> None:
+    """Every motor with either encoder, all of them at once, each as fast as it would really be."""
 
+    def play(server: Server, counts: int) -> None:
+        with server.ports[0].connect() as connection:
+            module = TMCM1311(connection)
+            close_loop(module, counts)
+            double_and_return(module, counts, turn_s=1.0)
 
-def test_the_vendors_example_in_real_time(serve: Callable[..., Server]) -> None:
-    """The default bench, as fast as it would really be."""
-    server = serve("--tcp", "127.0.0.1:0")
-    with server.ports[0].connect() as connection:
-        module = TMCM1311(connection)
-        close_loop(module, 40_000)
-        double_and_return(module, 40_000, turn_s=1.0)
+    with ThreadPoolExecutor() as pool:
+        plays = {}
+        for name, counts in itertools.product(MOTORS, ENCODERS):
+            folder = tmp_path / f"{name}-{counts}"
+            folder.mkdir()
+            server = serve("--bench", bench(folder, name, counts), "--tcp", "127.0.0.1:0")
+            plays[name, counts] = pool.submit(play, server, counts)
+        failures = {drive: error for drive, played in plays.items() if (error := played.exception())}
+    assert not failures
 
 
 def test_a_dead_encoder_is_told(serve: Callable[..., Server], tmp_path: Path) -> None:
@@ -123,6 +124,6 @@ def test_torque_mode(serve: Callable[..., Server]) -> None:
         assert refused == TMCLStatus.COMMAND_NOT_AVAILABLE
         close_loop(module, 40_000)
         motor.set_axis_parameter(torque, -300)
-        wait_for(lambda: motor.get_axis_parameter(motor.AP.MeasuredSpeed) < -TURN, "a turn a second to the left")
+        wait_for(lambda: motor.get_axis_parameter(motor.AP.MeasuredSpeed, signed=True) < -TURN, "a turn a second to the left")
         motor.stop()
         wait_for(lambda: motor.get_axis_parameter(motor.AP.MeasuredSpeed) == 0, "standstill")
