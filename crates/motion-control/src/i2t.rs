@@ -28,9 +28,10 @@ pub struct I2t {
     parts: [u64; PARTS],
     /// Which of them is finished next.
     part: usize,
-    /// What the part that is not finished has so far, and for how many ticks.
+    /// What the part that is not finished has so far, for how many ticks, and how many it will have.
     partial: u64,
     partial_ticks: u64,
+    whole_ticks: u64,
     /// The sum of all finished parts.
     sum: u64,
     /// For how many ticks the sum has been above the limit.
@@ -50,6 +51,7 @@ impl I2t {
             part: 0,
             partial: 0,
             partial_ticks: 0,
+            whole_ticks: part_ticks(window_ticks, 0),
             sum: 0,
             above_ticks: 0,
             flagged: None,
@@ -88,7 +90,7 @@ impl I2t {
     pub fn tick(&mut self, square: u32, limit: u64) -> bool {
         self.partial = self.partial.saturating_add(u64::from(square));
         self.partial_ticks += 1;
-        if self.partial_ticks >= self.part_ticks(self.part) {
+        if self.partial_ticks >= self.whole_ticks {
             self.finish_part();
         }
         if self.sum <= limit {
@@ -114,7 +116,7 @@ impl I2t {
         if self.is_settled(square) {
             return count;
         }
-        count.min(self.part_ticks(self.part).saturating_sub(self.partial_ticks + 1))
+        count.min(self.whole_ticks.saturating_sub(self.partial_ticks + 1))
     }
 
     /// The same as so many calls of [`I2t::tick`], for at most [`I2t::quiet_ticks`].
@@ -129,11 +131,11 @@ impl I2t {
         // Parts that are finished meanwhile are those that stand there, or there would be none.
         let mut left = ticks % self.window_ticks;
         while left > 0 {
-            let step = left.min(self.part_ticks(self.part) - self.partial_ticks);
+            let step = left.min(self.whole_ticks - self.partial_ticks);
             self.partial = self.partial.saturating_add(step.saturating_mul(u64::from(square)));
             self.partial_ticks += step;
             left -= step;
-            if self.partial_ticks >= self.part_ticks(self.part) {
+            if self.partial_ticks >= self.whole_ticks {
                 self.finish_part();
             }
         }
@@ -142,16 +144,9 @@ impl I2t {
     /// Whether the whole window, and what is to follow, is of this square.
     fn is_settled(&self, square: u32) -> bool {
         let expected = |ticks: u64| ticks.saturating_mul(u64::from(square));
+        let whole = |part| expected(part_ticks(self.window_ticks, part));
         self.partial == expected(self.partial_ticks)
-            && self.parts.iter().enumerate().all(|(part, sum)| *sum == expected(self.part_ticks(part)))
-    }
-
-    /// How long a part takes: all of them together take the window, whatever does not divide.
-    fn part_ticks(&self, part: usize) -> u64 {
-        let part = part as u64;
-        // 2³² ms are less than 2³⁷ ticks.
-        let boundary = |part: u64| self.window_ticks.saturating_mul(part) / PARTS_U64;
-        boundary(part + 1) - boundary(part)
+            && self.parts.iter().enumerate().all(|(part, sum)| *sum == whole(part))
     }
 
     fn finish_part(&mut self) {
@@ -159,10 +154,19 @@ impl I2t {
             *sum = self.partial;
         }
         self.part = (self.part + 1) % PARTS;
+        self.whole_ticks = part_ticks(self.window_ticks, self.part);
         self.partial = 0;
         self.partial_ticks = 0;
         self.sum = self.parts.iter().fold(0, |sum, part| sum.saturating_add(*part));
     }
+}
+
+/// How long a part of a window takes: all of them together take the window, whatever does not divide.
+const fn part_ticks(window_ticks: u64, part: usize) -> u64 {
+    let part = part as u64;
+    // 2³² ms are less than 2³⁷ ticks.
+    let (start, end) = (window_ticks.saturating_mul(part), window_ticks.saturating_mul(part + 1));
+    end / PARTS_U64 - start / PARTS_U64
 }
 
 #[cfg(test)]

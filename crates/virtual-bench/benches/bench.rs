@@ -5,7 +5,7 @@ use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use tmcl_tables::Command;
 use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_wire::{Request, serial};
-use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId, Probe, Quantity};
 
 /// µsteps in a turn at 256 µsteps per full step.
 const TURN: i32 = 51_200;
@@ -32,6 +32,42 @@ fn turning(turns_per_s: i32) -> Bench {
     bench
 }
 
+/// In closed loop, with a current that follows the position error.
+fn closed_loop() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
+    for (parameter, value) in [
+        (AxisParameter::EncoderResolution, 40_000),
+        (AxisParameter::MaxVelocity, 5 * TURN),
+        (AxisParameter::MaxAcceleration, 5 * TURN),
+        (AxisParameter::CurrentScaleEnable, 1),
+        (AxisParameter::ClosedLoopMode, 1),
+    ] {
+        send(&mut bench, Command::SetAxisParameter, parameter.number(), value);
+    }
+    bench.advance_by(2 * SECOND_NS); // the initialisation takes one
+    let quantity = Quantity::Parameter(AxisParameter::ClosedLoopInitialized.number());
+    assert_eq!(bench.read(Probe { module: MODULE, quantity }), 1.0, "not initialised");
+    bench
+}
+
+/// In closed loop and on its way for a while.
+fn closed_loop_after(command: Command, kind: u8, value: i32) -> Bench {
+    let mut bench = closed_loop();
+    send(&mut bench, command, kind, value);
+    bench.advance_by(3 * SECOND_NS);
+    bench
+}
+
+/// A brushless motor that turns at 2000 rpm, its ramp over.
+fn brushless() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640));
+    send(&mut bench, Command::RotateRight, 0, 2000);
+    bench.advance_by(3 * SECOND_NS);
+    let velocity_rpm = bench.physical(MODULE).velocity_rpm;
+    assert!((1900.0..2100.0).contains(&velocity_rpm), "{velocity_rpm} rpm");
+    bench
+}
+
 fn bench(c: &mut Criterion) {
     let mut second = |name: &str, bench: &Bench| {
         c.bench_function(name, |b| {
@@ -44,6 +80,13 @@ fn bench(c: &mut Criterion) {
     second("bench/1 s moving at 1 turn/s", &turning(1));
     let moving = turning(5);
     second("bench/1 s moving at 5 turns/s", &moving);
+    second("bench/1 s closed loop standing", &closed_loop());
+    let far = 1000 * 40_000;
+    second("bench/1 s closed loop to a position", &closed_loop_after(Command::MoveToPosition, 0, far));
+    second("bench/1 s closed loop at 5 turns/s", &closed_loop_after(Command::RotateRight, 0, 5 * TURN));
+    let torque = AxisParameter::TorqueTargetCurrent.number();
+    second("bench/1 s closed loop with 300 mA", &closed_loop_after(Command::SetAxisParameter, torque, 300));
+    second("bench/1 s of a brushless motor at 2000 rpm", &brushless());
     c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 

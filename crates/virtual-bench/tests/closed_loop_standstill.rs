@@ -232,3 +232,63 @@ fn it_comes_back_to_the_target_and_not_to_where_it_was() {
     assert_eq!(axis.gap(Ap::TargetPosition), 10_000, "{figures}");
     assert_holds(&mut axis, "after many pushes");
 }
+
+/// With few counts in a turn the error that the ramp leaves is few counts as well: it has to bring the whole current
+/// nevertheless, or a weight that the motor could hold falls for ever.
+#[test]
+fn a_weight_within_its_strength_is_caught_with_a_coarse_encoder_too() {
+    for counts in [1000, 4000] {
+        let mut axis = Axis::on(&bench(MOTOR, counts, ""), counts, &[]);
+        axis.land(counts / 4);
+        // A third of what it can pull at AP 6.
+        axis.set("load.torque_nm", -0.2);
+        axis.run_ms(4000);
+        let off = axis.turns() - axis.zero_turns - 0.25;
+        assert!(off.abs() < 0.05, "{counts} counts: {off} turns off");
+    }
+}
+
+/// Pushed out of standstill, the ramp gives way; what AP 212 says holds all the same.
+#[test]
+fn an_overload_at_standstill_is_a_deviation() {
+    for (limit, flag) in [(5000, 1), (-5000, 1), (0, 0)] {
+        let mut axis = resting("", &[(Ap::MaxEncoderDeviation, limit)]);
+        axis.set("load.torque_nm", -0.9);
+        axis.run_ms(100);
+        assert!(axis.shaft() < 0.0, "pushed a quarter of a turn at least");
+        assert_eq!(axis.gap(Ap::EncoderDeviationFlag), flag, "AP 212 = {limit}");
+    }
+}
+
+/// Back on the target, nothing is left of the overload: neither the current nor a deviation.
+#[test]
+fn an_overload_that_is_over_is_forgotten() {
+    let mut axis = resting("inertia_kgm2 = 1e-4", &[]);
+    axis.set("load.torque_nm", 1.0);
+    axis.run_ms(25);
+    axis.set("load.torque_nm", 0);
+    axis.reach();
+    axis.run_ms(500);
+    assert_holds(&mut axis, "back again");
+    let scale = axis.gap(Ap::ActualCurrentScale);
+    assert!(scale < 150, "AP 123 is {scale} at rest");
+    axis.sap(Ap::MaxEncoderDeviation, 300);
+    axis.run_ms(100);
+    assert_eq!(axis.gap(Ap::EncoderDeviationFlag), 0, "AP 207 at rest");
+}
+
+/// Standstill takes a load over from the move before it, although AP 136 = 10 makes half the torque of the same error.
+#[test]
+fn a_lifted_weight_stays_up() {
+    for (counts, load_nm) in [(4000, 0.1), (4000, 0.15), (4000, 0.2), (40_000, 0.2)] {
+        let mut axis = Axis::on(&bench(MOTOR, counts, ""), counts, &[]);
+        axis.land(counts / 10);
+        axis.run_ms(300);
+        axis.set("load.torque_nm", -load_nm);
+        axis.run_ms(3000);
+        for _ in 0..300 {
+            axis.run_ms(1);
+            assert_holds(&mut axis, &format!("{load_nm} Nm, {counts} counts"));
+        }
+    }
+}

@@ -362,3 +362,17 @@ fn the_mode_can_be_selected_without_a_current() {
     let flows = amplitude_a(&axis);
     assert!(flows < 0.05, "no current is asked for, and {flows} A flow");
 }
+
+/// A motor that is stopped at once before a switch is braked, and not thrown back out of it time and again.
+#[test]
+fn it_comes_to_rest_before_a_stop_switch() {
+    let file = format!("{}[module.switches]\nright = {{ at_turns = 2.0 }}\n", bench(MOTOR, 40_000, ""));
+    let mut axis = Axis::on(&file, 40_000, &[]);
+    torque(&mut axis, 600);
+    axis.run_ms(1000);
+    for _ in 0..100 {
+        axis.run_ms(10);
+        let (turns, rpm) = (axis.turns(), axis.physical().velocity_rpm);
+        assert!((1.9..2.1).contains(&turns) && rpm.abs() < 60.0, "at {turns} turns, {rpm} rpm");
+    }
+}

@@ -319,3 +319,43 @@ fn a_load_does_not_slow_it() {
         );
     }
 }
+
+/// The ramp gives way to a jam after three full steps, which AP 212 does not.
+#[test]
+fn a_jam_is_a_deviation() {
+    let mut axis = turning(&bench(MOTOR, 40_000, ""), 40_000, TURN, &[(Ap::MaxEncoderDeviation, 5000)]);
+    axis.run_ms(1000);
+    assert_eq!(axis.gap(Ap::EncoderDeviationFlag), 0, "AP 207 while it turns");
+    axis.set("load.friction_nm", 3.0);
+    axis.run_ms(300);
+    assert_eq!(axis.gap(Ap::EncoderDeviationFlag), 1, "AP 207 in a jam");
+    assert_eq!(axis.gap(Ap::ActualVelocity), 0, "AP 3");
+}
+
+/// Three full steps are 15 counts here, for which AP 113 to 117 give less current than the load needs. It slows the motor, and
+/// does not stop it.
+#[test]
+fn a_load_does_not_stop_it_with_a_coarse_encoder() {
+    let mut axis = turning(&bench(MOTOR, 1000, ""), 1000, TURN, &[]);
+    axis.set("load.friction_nm", 0.35);
+    axis.run_ms(500);
+    let start = axis.turns();
+    axis.run_ms(2000);
+    let turned = axis.turns() - start;
+    assert!(turned > 1.0, "{turned} turns in 2 s");
+}
+
+/// The ramp of a move that begins above AP 4 has to brake first, and the motor goes with it.
+#[test]
+fn a_move_that_begins_above_its_speed_brakes_by_the_ramp() {
+    let mut axis = turning(&bench(MOTOR, 40_000, ""), 40_000, 4 * TURN, &[]);
+    axis.run_ms(1000);
+    axis.sap(Ap::MaxVelocity, TURN);
+    axis.go(1_000_000);
+    axis.run_ms(10);
+    for _ in 0..50 {
+        axis.run_ms(10);
+        let error = axis.gap(Ap::PositionError);
+        assert!(error.abs() < 200, "{error} encoder steps behind the ramp");
+    }
+}

@@ -49,6 +49,15 @@ fn at(turns: f64, bounce_ms: f64) -> Module {
     module
 }
 
+impl Module {
+    /// A turn a second to the switch, and from there on a turn in so many seconds.
+    fn set_speeds(&mut self, turn: i32, per_turn_s: i32) {
+        self.sap(Ap::MaxVelocity, turn);
+        self.sap(Ap::MaxAcceleration, 4 * turn);
+        self.sap(Ap::ReferenceSwitchVelocity, (turn / per_turn_s).max(1));
+    }
+}
+
 /// Polls RFS STATUS as a host does, until the search is over.
 #[track_caller]
 fn search(module: &mut Module, mode: i32) {
@@ -194,6 +203,37 @@ fn the_speeds_are_those_of_194_and_195() {
         // At the instant that the switch is found the motor stops at once, from search speed.
         assert_eq!((fastest, slowest), (fast, slow));
         assert_found(&mut module, 4, "at other speeds");
+    }
+}
+
+/// The zero is on the µstep of AP 140 that is nearest, and that is as near as it gets; at a crawl and at full speed.
+#[test]
+fn at_other_resolutions_and_speeds() {
+    for (resolution, bounce_ms) in [(4, 0.0), (4, 3.0), (8, 3.0)] {
+        for per_turn_s in [40, 4, 1] {
+            let mut module = at(0.0, bounce_ms);
+            let turn = TURN >> (8 - resolution);
+            module.sap(Ap::MicrostepResolution, resolution);
+            module.set_speeds(turn, per_turn_s);
+            for mode in [1, 2, 4, 6] {
+                search(&mut module, mode);
+                module.run_ms(300);
+                let microstep = 1.0 / f64::from(turn);
+                // What bounces is a coin toss in every control period.
+                let bouncing = if bounce_ms > 0.0 { 8.0 } else { 1.0 };
+                let sampling = 50e-6 * bouncing / f64::from(per_turn_s) / 2.0;
+                // At a turn a second the detent torque shakes the motor near its resonance.
+                let swinging = if per_turn_s == 1 { 24.0 / f64::from(TURN) } else { 0.0 };
+                let allowed = tolerance(mode) + microstep + sampling + swinging;
+                let zero = module.turns() - f64::from(module.gap(Ap::ActualPosition)) * microstep;
+                let off = (zero - truth(mode).0) * f64::from(TURN);
+                let what = format!("mode {mode}, AP 140 = {resolution}, a turn in {per_turn_s} s");
+                assert!(
+                    off.abs() <= allowed * f64::from(TURN),
+                    "{what}: {off} µsteps off, {allowed} turns allowed"
+                );
+            }
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use common::{Module, TURN};
 use motor_physics::load::{LoadTorque, Profile};
 use tmcl_tables::tmcm_1311::AxisParameter as Ap;
 use tmcl_tables::{Command, GlobalParameter, ModuleSpec};
-use virtual_bench::{ModuleId, Physical, TICK_NS, Trace};
+use virtual_bench::{Bench, ModuleId, Physical, TICK_NS, Trace};
 
 const SECOND_NS: u64 = 1_000_000_000;
 
@@ -55,19 +55,21 @@ fn started(text: &str) -> Module {
     module
 }
 
-/// Everything there is to see: all parameters, ports, and the physics.
-fn all_names(spec: &ModuleSpec) -> Vec<String> {
+/// Everything there is to see: all parameters, ports, and the physics of this motor.
+fn all_names(bench: &Bench, spec: &ModuleSpec) -> Vec<String> {
     let parameters = spec.axis_parameters.iter().filter(|parameter| parameter.access.read);
     let mut names: Vec<String> = parameters.map(|parameter| parameter.id.to_owned()).collect();
     names.extend((0..8).flat_map(|number| [format!("input.{number}"), format!("output.{number}")]));
-    names.extend(Physical::NAMES.iter().map(|(name, _)| format!("physical.{name}")));
+    let physical = Physical::NAMES.iter().map(|(name, _)| format!("physical.{name}"));
+    names.extend(physical.filter(|name| bench.probe(name).is_ok()));
     names.extend(["sensed.encoder_counts", "sensed.step_pulses"].map(str::to_owned));
     names
 }
 
 fn csv(module: &mut Module, until_ns: u64) -> String {
     let spec = module.bench.spec(ModuleId(0)).expect("a module");
-    let mut trace = Trace::new(&module.bench, &all_names(spec), 1_000_000).expect("names of this bench");
+    let mut trace =
+        Trace::new(&module.bench, &all_names(&module.bench, spec), 1_000_000).expect("names of this bench");
     trace.advance_to(&mut module.bench, until_ns);
     trace.csv_header() + &trace.csv_rows(0)
 }

@@ -359,25 +359,6 @@ mod commands {
         assert_flows(&module, RUN);
     }
 
-    /// Pulses move an open loop, so far.
-    #[test]
-    fn closed_loop_and_step_direction_exclude_each_other() {
-        let mut module = module(2);
-        for parameter in [Ap::ClosedLoopMode, Ap::EncoderInitialization] {
-            let status = module.status(Command::SetAxisParameter, parameter.number(), 0, 1);
-            assert_eq!(status, Status::NotAvailable, "{parameter:?}");
-            module.sap(parameter, 0);
-        }
-        module.sap(Ap::StepDirMode, 0);
-        module.sap(Ap::ClosedLoopMode, 1);
-        for ms in [10, 3000] {
-            assert_eq!(module.status(Command::SetAxisParameter, 254, 0, 2), Status::NotAvailable);
-            module.run_ms(ms);
-        }
-        assert_eq!(module.gap(Ap::ClosedLoopInitialized), 1);
-        assert_eq!(module.gap(Ap::StepDirMode), 0);
-    }
-
     /// Pulses from before power-on are nobody's.
     #[test]
     fn pulses_of_the_past_do_not_count() {

@@ -44,7 +44,7 @@ impl Tmcm1311 {
     /// How far ramp and encoder are apart, in 1/256 full steps; 0 where the resolutions make no sense.
     fn deviation(&self) -> u32 {
         if let Some(closed) = self.closed() {
-            return u32::try_from(closed.ramp_lead().unsigned_abs()).unwrap_or(u32::MAX);
+            return u32::try_from(closed.shortfall().unsigned_abs()).unwrap_or(u32::MAX);
         }
         let full_steps = i64::from(self.kept_value(AxisParameter::MotorFullSteps));
         let resolution = i64::from(self.kept_value(AxisParameter::EncoderResolution));

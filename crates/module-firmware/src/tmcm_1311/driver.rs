@@ -49,32 +49,16 @@ pub struct DriverStatus {
 
 impl Tmcm1311 {
     pub(super) fn chip_settings(&self) -> ChipSettings {
-        use AxisParameter as P;
-        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(0);
-        let flag = |parameter| self.kept_value(parameter) != 0;
-        let semin = byte(P::CoolstepHysteresisStart);
-        let open_loop = self.is_open_loop();
-        let off_time = if self.switched_off || self.standstill.freewheels() || self.is_disabled() {
-            0
-        } else {
-            byte(P::ChopperOffTime)
-        };
-        let fast = self.speed_pps() > self.kept_value(P::CoolstepThresholdVelocity);
-        ChipSettings {
-            current_scale: self.motor_current(fast) / 8,
-            half_scale: flag(P::Vsense),
-            off_time,
-            stallguard_threshold: i8::try_from(self.kept_value(P::Stallguard2Threshold)).unwrap_or(0),
-            stallguard_filter: flag(P::Stallguard2Filter),
-            cool_step: CoolStep {
-                semin: if fast && open_loop { semin } else { 0 },
-                semax: byte(P::CoolstepHysteresis),
-                seup: byte(P::CoolstepUpStep),
-                sedn: byte(P::CoolstepDownStep),
-                quarter_minimum: flag(P::CoolstepMinCurrent),
-            },
-            short_protection_disabled: flag(P::ShortProtectionDisable),
+        let mut chip = self.prepared.chip;
+        if self.switched_off || self.standstill.freewheels() || self.is_disabled() {
+            chip.off_time = 0;
         }
+        let fast = self.speed_pps() > self.kept_value(AxisParameter::CoolstepThresholdVelocity);
+        if !(fast && self.is_open_loop()) {
+            chip.cool_step.semin = 0;
+        }
+        chip.current_scale = self.motor_current(fast) / 8;
+        chip
     }
 
     /// What flows now, scaled like AP 6: in closed loop and on the way there AP 6, in open loop AP 7 once the motor has stood for AP 214, AP 200 while the ramp changes its velocity,

@@ -10,6 +10,7 @@ mod encoder;
 mod i2t;
 mod parameters;
 mod ports;
+mod prepared;
 mod pulse_meter;
 mod search;
 mod standstill;
@@ -31,6 +32,7 @@ use crate::values::Values;
 
 use closed_loop::Operation;
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
+use prepared::Prepared;
 use standstill::Standstill;
 use step_dir::StepDir;
 
@@ -92,6 +94,7 @@ enum RampMode {
 pub struct Tmcm1311 {
     /// Parameters that are what was written to them.
     kept: Values<{ AxisParameter::COUNT }>,
+    prepared: Prepared,
     ramp: Ramp,
     mode: RampMode,
     target_position: i32,
@@ -130,6 +133,7 @@ impl Default for Tmcm1311 {
         }
         let i2t = I2t::new(i2t::window_ticks(&kept));
         Self {
+            prepared: Prepared::new(&kept),
             kept,
             ramp: Ramp::default(),
             mode: RampMode::Position,
@@ -204,11 +208,8 @@ impl Axis for Tmcm1311 {
                 self.align_on();
                 self.drive()
             }
-            Operation::Closed(before) => {
-                let ramp_before = self.ramp.place();
-                self.close_loop();
-                let unchanged = self.closed() == Some(&before) && self.ramp.place() == ramp_before;
-                self.settled = unchanged && self.ramp.is_standing();
+            Operation::Closed(_) => {
+                self.tick_closed_loop();
                 self.drive()
             }
         }
@@ -220,7 +221,9 @@ impl Axis for Tmcm1311 {
 
     fn set(&mut self, parameter: AxisParameter, value: i32) -> Result<(), Refused> {
         self.settled = false;
-        self.set_parameter(parameter, value)
+        self.set_parameter(parameter, value)?;
+        self.prepared = Prepared::new(&self.kept);
+        Ok(())
     }
 
     fn motion(&mut self, motion: Motion) -> Result<(), Refused> {

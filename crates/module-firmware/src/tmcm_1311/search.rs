@@ -28,6 +28,7 @@ impl Tmcm1311 {
                 home: self.is_home_switch_active(),
             },
             position: self.ramp.position(),
+            measured: self.ramp.position().wrapping_sub(self.ramp_lead()),
             standing: self.ramp.is_standing(),
         };
         let order = search.tick(&seen, &self.search_pace());
@@ -49,6 +50,11 @@ impl Tmcm1311 {
             }
             Order::Finished { distance } => self.finish_search(distance),
         }
+    }
+
+    /// How far the ramp is ahead of the rotor, in µsteps; 0 in open loop, where that is not known.
+    fn ramp_lead(&self) -> i32 {
+        self.closed().map_or(0, |closed| closed.ramp_lead() as i32) // wraps, as every position does
     }
 
     /// The place where the ramp stands is the new zero.

@@ -56,8 +56,7 @@ impl Tmcm1311 {
             return Ok(());
         }
         self.require_obedience()?;
-        let ramp_drives = self.is_open_loop() && !self.ramp.is_settled(&self.limits());
-        if !self.in_step_dir_mode() && (ramp_drives || !self.is_standing_still()) {
+        if !self.in_step_dir_mode() && !self.is_standing_still() {
             return Err(Refused::InvalidValue);
         }
         self.begin_motion();

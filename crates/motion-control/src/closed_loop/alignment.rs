@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn it_takes_a_second() {
         let scale = scale(51_200);
-        assert_eq!(run(&scale, |phase| phase.into()), (Order::Aligned, 20_000));
+        assert_eq!(run(&scale, i32::from), (Order::Aligned, 20_000));
     }
 
     /// Where the field is, and how much current it has, in the first stage.

@@ -72,6 +72,8 @@ pub struct Leads {
     ramp: i64,
     /// Of the field, in units of [`UNITS_PER_STEP`], within the limits.
     field: i64,
+    /// What the ramp gave way in the overload that goes on, in µsteps.
+    given_way: i64,
 }
 
 impl Leads {
@@ -93,14 +95,33 @@ impl Leads {
         self.field = self.field.saturating_sub(microsteps.saturating_mul(UNITS_PER_STEP));
     }
 
+    /// How far the virtual position would be ahead of the rotor, had it not given way to the overload that goes on.
+    #[must_use]
+    pub fn shortfall(&self) -> i64 {
+        self.ramp.saturating_add(self.given_way)
+    }
+
     /// The ramp starts anew from where the rotor is.
     pub fn forget_ramp(&mut self) {
         self.ramp = 0;
+        self.given_way = 0;
     }
 
     /// The field points at the rotor.
     pub fn forget_field(&mut self) {
         self.field = 0;
+    }
+
+    /// The virtual position gives way to an overload: it gets no further from the rotor than `window`, in µsteps.
+    pub fn give_way(&mut self, window: i64) {
+        let wanted = self.ramp;
+        self.ramp = wanted.clamp(-window, window);
+        self.given_way = self.given_way.saturating_add(wanted.saturating_sub(self.ramp));
+    }
+
+    /// What the ramp gave way counts no more: the overload is over.
+    pub fn forget_overload(&mut self) {
+        self.given_way = 0;
     }
 
     /// The ramp went on by so many µsteps.
@@ -120,7 +141,11 @@ impl Leads {
     /// The field stands at the virtual position, which gives way to an overload, so that none is made up for later (velocity
     /// mode, §8.6).
     pub fn follow_closely(&mut self, limits: LeadLimits) {
-        self.ramp = self.ramp.clamp(-VELOCITY_MODE_WINDOW, VELOCITY_MODE_WINDOW);
+        self.give_way(VELOCITY_MODE_WINDOW);
+        // A full step nearer, the overload is over.
+        if self.ramp.saturating_abs() <= VELOCITY_MODE_WINDOW - i64::from(QUARTER_PERIOD) {
+            self.forget_overload();
+        }
         self.point(self.ramp * UNITS_PER_STEP, limits);
     }
 
@@ -205,7 +230,7 @@ mod tests {
 
     #[test]
     fn a_small_lag_may_be_left_alone() {
-        let mut leads = Leads { ramp: 100, field: 0 };
+        let mut leads = Leads { ramp: 100, ..Leads::default() };
         let lazy = Correction { max_following_error: 100, ..correction(100_000) };
         for _ in 0..1000 {
             leads.follow(0, &lazy, STILL);
@@ -225,6 +250,22 @@ mod tests {
         leads.ramp_moved(100_000);
         leads.follow_closely(STILL);
         assert_eq!((leads.ramp(), leads.field()), (768, 256));
+    }
+
+    #[test]
+    fn what_was_given_way_is_known_until_the_overload_is_over() {
+        let mut leads = Leads::default();
+        for _ in 0..100 {
+            leads.ramp_moved(50);
+            leads.follow_closely(STILL);
+        }
+        assert_eq!((leads.ramp(), leads.shortfall()), (768, 5000));
+        leads.rotor_moved(200);
+        leads.follow_closely(STILL);
+        assert_eq!((leads.ramp(), leads.shortfall()), (568, 4800));
+        leads.rotor_moved(56);
+        leads.follow_closely(STILL);
+        assert_eq!((leads.ramp(), leads.shortfall()), (512, 512));
     }
 
     proptest! {

@@ -29,27 +29,51 @@ impl EncoderScale {
     /// Counts in µsteps, rounded to the nearest.
     #[must_use]
     pub fn microsteps(&self, counts: i64) -> i64 {
-        divided(counts.saturating_mul(self.microsteps), self.counts)
+        rounded(counts.saturating_mul(self.microsteps), self.counts)
     }
 
     /// µsteps in counts, rounded to the nearest.
     #[must_use]
     pub fn counts(&self, microsteps: i64) -> i64 {
-        divided(microsteps.saturating_mul(self.counts), self.microsteps)
+        rounded(microsteps.saturating_mul(self.counts), self.microsteps)
     }
 
     /// A velocity of so many counts in so many control periods, in µsteps a second; 0 where `ticks` is 0.
     #[must_use]
     pub fn velocity_pps(&self, counts: i32, ticks: u32) -> i32 {
-        let per_second = i64::from(counts).saturating_mul(self.microsteps * crate::TICKS_PER_SECOND);
-        let velocity_pps = per_second.checked_div(self.counts * i64::from(ticks)).unwrap_or(0);
+        let velocity_pps = self.per_second(counts).checked_div(self.counts * i64::from(ticks)).unwrap_or(0);
         velocity_pps.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    }
+
+    /// Whether such a velocity is above `speed_pps` either way, found without dividing. Where it is not, the magnitude of
+    /// [`EncoderScale::velocity_pps`] is not either.
+    #[must_use]
+    pub fn is_faster(&self, counts: i32, ticks: u32, speed_pps: u32) -> bool {
+        let next_pps = u64::from(speed_pps.min(i32::MAX.unsigned_abs())) + 1;
+        let ticks = self.counts.unsigned_abs() * u64::from(ticks);
+        ticks != 0 && self.per_second(counts).unsigned_abs() >= next_pps.saturating_mul(ticks)
+    }
+
+    /// µsteps of so many counts in each control period of a second, in 1/counts-per-turn.
+    fn per_second(&self, counts: i32) -> i64 {
+        i64::from(counts).saturating_mul(self.microsteps * crate::TICKS_PER_SECOND)
     }
 }
 
 /// Rounded to the nearest, halves up.
-fn divided(dividend: i64, divisor: i64) -> i64 {
-    dividend.saturating_add(divisor / 2).div_euclid(divisor)
+fn rounded(dividend: i64, divisor: i64) -> i64 {
+    divided(dividend.saturating_add(divisor / 2), divisor).0
+}
+
+/// Quotient, rounded down, and remainder, for a divisor above 0. What is divided in a control period mostly fits 32 bits, which
+/// a Cortex-M3 has an instruction for.
+fn divided(dividend: i64, divisor: i64) -> (i64, i64) {
+    match (i32::try_from(dividend), i32::try_from(divisor)) {
+        (Ok(dividend), Ok(divisor)) => {
+            (dividend.div_euclid(divisor).into(), dividend.rem_euclid(divisor).into())
+        }
+        _ => (dividend.div_euclid(divisor), dividend.rem_euclid(divisor)),
+    }
 }
 
 /// Where the rotor is: the whole µsteps that the counts amount to, and the rest.
@@ -82,14 +106,15 @@ impl Odometer {
             return 0;
         }
         let moved = i64::from(counts) * self.scale.microsteps + self.remainder;
-        self.remainder = moved.rem_euclid(self.scale.counts);
-        moved.div_euclid(self.scale.counts)
+        let (microsteps, remainder) = divided(moved, self.scale.counts);
+        self.remainder = remainder;
+        microsteps
     }
 
     /// Whole µsteps from here to the place that is `counts` further.
     #[must_use]
     pub fn microsteps_to(&self, counts: i32) -> i64 {
-        (i64::from(counts) * self.scale.microsteps + self.remainder).div_euclid(self.scale.counts)
+        divided(i64::from(counts) * self.scale.microsteps + self.remainder, self.scale.counts).0
     }
 
     /// Counts from here to the place that is whole `microsteps` further: the inverse of [`Odometer::microsteps_to`], where
@@ -98,7 +123,7 @@ impl Odometer {
     pub fn counts_to(&self, microsteps: i64) -> i64 {
         let ahead = microsteps.saturating_mul(self.scale.counts).saturating_sub(self.remainder);
         // Rounded up: the first count that lies on the µstep.
-        ahead.saturating_add(self.scale.microsteps - 1).div_euclid(self.scale.microsteps)
+        divided(ahead.saturating_add(self.scale.microsteps - 1), self.scale.microsteps).0
     }
 }
 
@@ -172,6 +197,29 @@ mod tests {
         }
 
         #[test]
+        fn what_is_faster_has_a_larger_velocity(
+            full_steps in 1_u32..=400,
+            counts in 1_u32..=65_535,
+            moved in -100_000_i32..100_000,
+            ticks in 1_u32..3000,
+            off_pps in -1_i32..=1,
+        ) {
+            let scale = scale(full_steps, counts);
+            let speed_pps = scale.velocity_pps(moved, ticks).unsigned_abs();
+            let other_pps = speed_pps.saturating_add_signed(off_pps);
+            prop_assert_eq!(scale.is_faster(moved, ticks, other_pps), speed_pps > other_pps);
+        }
+
+        #[test]
+        fn thirty_two_bits_divide_like_sixty_four(
+            dividend in -3_000_000_000_i64..3_000_000_000,
+            divisor in 1_i64..3_000_000_000,
+        ) {
+            let expected = (dividend.div_euclid(divisor), dividend.rem_euclid(divisor));
+            prop_assert_eq!(divided(dividend, divisor), expected);
+        }
+
+        #[test]
         fn nothing_overflows(
             full_steps in 1_u32..=400,
             counts in 1_u32..=65_535,
@@ -183,6 +231,7 @@ mod tests {
             let mut odometer = Odometer::new(scale, 0);
             odometer.follow(count);
             let _ = (odometer.counts_to(far), odometer.microsteps_to(count), scale.velocity_pps(count, ticks));
+            let _ = (scale.is_faster(count, ticks, ticks), scale.is_faster(count, ticks, u32::MAX));
             let _ = (scale.microsteps(far), scale.counts(far));
         }
     }

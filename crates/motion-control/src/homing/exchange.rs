@@ -20,6 +20,8 @@ pub struct Seen {
     pub switches: Switches,
     /// Where the ramp is.
     pub position: i32,
+    /// Where the axis is, in the ramp's coordinates: the ramp's position where nothing measures it.
+    pub measured: i32,
     /// Whether the ramp stands.
     pub standing: bool,
 }

@@ -10,7 +10,7 @@
 //! 5. *Return* slowly to what was measured last: the new zero.
 //!
 //! Both instants that count are seen at constant speed and in opposite directions, so that whatever the rotor lags behind
-//! its field by cancels. An instant is the first sample that differs from a steady level; what bounces afterwards does not
+//! its field by cancels; where the axis is measured, it does not matter in the first place. An instant is the first sample that differs from a steady level; what bounces afterwards does not
 //! matter.
 //!
 //! This module must never know parameter numbers or TMCL, how switches are wired, or what moves the axis.
@@ -133,9 +133,9 @@ impl Search {
             Phase::Stop { turn } => self.stop(seen, turn),
             Phase::Clear => self.clear(seen, pace),
             Phase::Enter => self.enter(seen),
-            Phase::Onto => self.settle_onto(),
+            Phase::Onto => self.settle_onto(seen, pace),
             Phase::Leave { released } => self.leave(seen, released, before),
-            Phase::Cross => self.cross(),
+            Phase::Cross => self.cross(seen, pace),
             Phase::EnterBack => self.enter_back(seen),
             Phase::Return { zero } if seen.standing && seen.position == zero => {
                 let distance = self.right.map(|right| right.wrapping_sub(zero));
@@ -183,7 +183,7 @@ impl Search {
 
     fn seek(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.found = seen.position;
+            self.found = seen.measured;
             self.begin_stop(false);
         } else if self.meets_stop(seen.switches) {
             self.begin_stop(true);
@@ -211,8 +211,7 @@ impl Search {
 
     /// So far before the place where it was found it is off on the near side, even when it overran a narrow switch.
     fn clear(&mut self, seen: &Seen, pace: &Pace) {
-        let clearance = i64::from(pace.switch_pps / CLEARANCES_PER_SECOND);
-        if self.direction.beyond(seen.position, self.found) > -clearance {
+        if self.direction.beyond(seen.measured, self.found) > -clearance(pace) {
             self.contact.ticks = 0;
         } else if self.contact.is_steady(false) {
             self.phase = Phase::Enter;
@@ -221,7 +220,7 @@ impl Search {
 
     fn enter(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.entered = seen.position;
+            self.entered = seen.measured;
             self.phase = match self.leg.place {
                 Place::Edge => Phase::Onto,
                 Place::Middle => Phase::Cross,
@@ -233,10 +232,10 @@ impl Search {
     }
 
     /// On it for certain; or through it, when it is very narrow, and then its middle has to do.
-    fn settle_onto(&mut self) {
+    fn settle_onto(&mut self, seen: &Seen, pace: &Pace) {
         if self.contact.is_steady(true) {
             self.phase = Phase::Leave { released: None };
-        } else if self.contact.is_steady(false) {
+        } else if self.is_across(seen, pace) {
             self.phase = Phase::EnterBack;
         }
     }
@@ -246,25 +245,34 @@ impl Search {
         let entered_again = self.contact.active && before.is_steady(false);
         let released = match released {
             _ if self.contact.is_steady(true) || entered_again => None,
-            None if !self.contact.active => Some(seen.position),
+            None if !self.contact.active => Some(seen.measured),
             noted => noted,
         };
         self.phase = Phase::Leave { released };
-        let off = self.direction.beyond(seen.position, self.entered) < 0;
+        let off = self.direction.beyond(seen.measured, self.entered) < 0;
         if let Some(released) = released.filter(|_| off && self.contact.is_steady(false)) {
             self.conclude(midway(self.entered, released));
         }
     }
 
-    fn cross(&mut self) {
-        if self.contact.is_steady(false) {
+    fn cross(&mut self, seen: &Seen, pace: &Pace) {
+        if self.is_across(seen, pace) {
             self.phase = Phase::EnterBack;
         }
     }
 
+    /// Whether the switch was left on the far side. Off where it was entered is not across: the rotor swings.
+    fn is_across(&mut self, seen: &Seen, pace: &Pace) -> bool {
+        let beyond = self.direction.beyond(seen.measured, self.entered);
+        if !self.contact.active && beyond <= clearance(pace) {
+            self.contact.ticks = 0;
+        }
+        self.contact.is_steady(false)
+    }
+
     fn enter_back(&mut self, seen: &Seen) {
         if self.contact.active {
-            self.conclude(midway(self.entered, seen.position));
+            self.conclude(midway(self.entered, seen.measured));
         }
     }
 
@@ -300,6 +308,11 @@ impl Search {
             }
         }
     }
+}
+
+/// How far from a place the axis is well clear of it, in steps.
+fn clearance(pace: &Pace) -> i64 {
+    i64::from(pace.switch_pps / CLEARANCES_PER_SECOND)
 }
 
 /// Half-way from `a` to `b`, the shorter way round, rounded towards `a`.

@@ -70,7 +70,8 @@ fn search(number: i32, start: i32, travel: &Travel, pace: &Pace) -> Option<Found
             right: level(right, travel.right),
             home: level(home, travel.home) != (number >= 128),
         };
-        let seen = Seen { switches, position: ramp.position(), standing: ramp.is_standing() };
+        let position = ramp.position();
+        let seen = Seen { switches, position, measured: position, standing: ramp.is_standing() };
         assert_ne!(search.state(), 0);
         match search.tick(&seen, pace) {
             Order::Drive { goal, max_velocity_pps } => {
@@ -180,13 +181,15 @@ fn a_position_that_is_called_otherwise_does_not_matter() {
     for tick in 0..4_000_000 {
         let inside = |(from, to): (i32, i32)| (from..=to).contains(&ramp.position());
         let switches = Switches { left: inside(TRAVEL.left), right: inside(TRAVEL.right), home: false };
-        let seen = Seen { switches, position: ramp.position(), standing: ramp.is_standing() };
+        let position = ramp.position();
+        let seen = Seen { switches, position, measured: position, standing: ramp.is_standing() };
         if tick % 1000 == 0 {
             shifted.shift(1_000_000_007);
             by = by.wrapping_add(1_000_000_007);
         }
         let order = plain.tick(&seen, &PACE);
-        let other = shifted.tick(&Seen { position: seen.position.wrapping_add(by), ..seen }, &PACE);
+        let position = position.wrapping_add(by);
+        let other = shifted.tick(&Seen { position, measured: position, ..seen }, &PACE);
         match (order, other) {
             (
                 Order::Drive { goal: Goal::Position(goal), max_velocity_pps },

@@ -152,16 +152,21 @@ impl Ramp {
     /// Whether another tick would change nothing.
     #[must_use]
     pub fn is_settled(&self, limits: &Limits) -> bool {
-        let stays = match self.goal {
+        self.is_at_rest(limits) && !self.changing
+    }
+
+    /// Whether it stands, and its goal leaves it there.
+    #[must_use]
+    pub fn is_at_rest(&self, limits: &Limits) -> bool {
+        match self.goal {
             Goal::Position(_) => self.is_on_target() || (self.is_standing() && limits.max_velocity_pps == 0),
             Goal::Velocity(_) => self.is_standing() && self.commanded_speed(limits) == 0,
-        };
-        stays && !self.changing
+        }
     }
 
     /// One control period: changes the velocity within the limits and moves by the mean of the old and the new one.
     ///
-    /// Constant work: at most seven looks at the braking distance, each of four 128-bit products.
+    /// Constant work: at most seven looks at the braking distance, each of two products of 128 bits.
     pub fn tick(&mut self, limits: &Limits) {
         let before = self.velocity;
         match self.goal {

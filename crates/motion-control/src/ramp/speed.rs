@@ -53,11 +53,14 @@ impl Limits {
 
     /// Whether going from `speed` to `next` in this tick leaves room to brake before `ahead` units are used up.
     fn leaves_room(&self, speed: Speed, next: Speed, ahead: i64) -> bool {
-        let (acceleration, stop) = (i128::from(self.acceleration()), i128::from(self.stop_speed()));
-        let covered = i128::from(self.jump(speed, next) + next);
-        let next = i128::from(next);
-        let braking = (next * next - stop * stop).max(0);
-        covered * acceleration + braking <= i128::from(ahead) * acceleration
+        let stop = self.stop_speed();
+        let left = ahead - (self.jump(speed, next) + next);
+        if next <= stop {
+            return left >= 0;
+        }
+        // v² − s² ≤ a · left, with a product less.
+        let product = |factor: i64, other: i64| i128::from(factor) * i128::from(other);
+        product(next - stop, next + stop) <= product(left, self.acceleration())
     }
 }
 

@@ -1,12 +1,9 @@
 //! How large the current is: as large as the position error needs it (TMCM-1311 §8.8; AP 113 to 123 and 236).
 
-use motion_control::closed_loop::current_scale::{self, CurrentScaleSettings};
+use motion_control::closed_loop::current_scale;
 use motion_control::sine;
 
 use super::{AxisParameter, ClosedLoop, Operation, RampMode, Tmcm1311};
-
-/// Control periods in the unit of AP 120 and AP 121, 1 ms.
-const TICKS_PER_MS: u32 = crate::TICKS_PER_MS as u32;
 
 impl Tmcm1311 {
     /// Brings the current scale on its way; it stays at 255 where AP 122 is 0, where torque mode sets the current, and in the
@@ -15,40 +12,26 @@ impl Tmcm1311 {
         let regulated = self.kept_value(AxisParameter::CurrentScaleEnable) != 0
             && self.kept_value(AxisParameter::StepDirMode) <= 1
             && !self.is_torque_driven();
-        let (error, settings) = (self.regulated_error(), self.current_settings());
-        let Some(closed) = self.closed_mut() else { return };
+        let error = if regulated { self.regulated_error() } else { 0 };
+        let Operation::Closed(closed) = &mut self.operation else { return };
         if regulated {
-            closed.current.tick(error, &settings);
+            closed.current.tick(error, &self.prepared.current);
         } else {
             closed.current.full();
         }
     }
 
-    /// The position error that the current depends on: in encoder steps, times AP 136 where AP 115 says so.
+    /// The position error that the current depends on: in encoder steps, times AP 136 where AP 115 says so. A ramp that gives
+    /// way to an overload makes the error no smaller, or an encoder of few counts would never get the whole current (decision).
     fn regulated_error(&self) -> u32 {
         use AxisParameter as P;
-        let error = self.position_error().unsigned_abs();
+        let error = self.closed().map_or(0, |closed| closed.rotor.counts_to(closed.shortfall()));
+        let error = u32::try_from(error.unsigned_abs()).unwrap_or(u32::MAX);
         let gain = match self.kept_value(P::CurrentScaleInput) {
             0 => 1,
             _ => self.kept_value(P::StandstillGain).unsigned_abs(),
         };
         error.saturating_mul(gain)
-    }
-
-    fn current_settings(&self) -> CurrentScaleSettings {
-        use AxisParameter as P;
-        let byte = |parameter| u8::try_from(self.kept_value(parameter)).unwrap_or(u8::MAX);
-        let value = |parameter| self.kept_value(parameter).unsigned_abs();
-        CurrentScaleSettings {
-            minimum: byte(P::CurrentScaleMin),
-            maximum: byte(P::CurrentScaleMax),
-            lower_error: value(P::CurrentScaleLowerErrorLimit),
-            upper_error: value(P::CurrentScaleUpperErrorLimit),
-            increment: byte(P::CurrentScaleIncrement),
-            decrement: byte(P::CurrentScaleDecrement),
-            increment_ticks: value(P::CurrentScaleIncrementDelay).saturating_mul(TICKS_PER_MS),
-            decrement_ticks: value(P::CurrentScaleDecrementDelay).saturating_mul(TICKS_PER_MS),
-        }
     }
 
     /// Whether torque mode sets the current: not while it is held before a stop switch.

@@ -10,6 +10,10 @@ const TICKS_PER_WINDOW_UNIT: u32 = 2;
 /// AP 136 at which the field is ahead by just what the rotor is off by.
 const UNIT_GAIN: i64 = 20;
 
+/// What the field is ahead by when standstill begins goes on, less by a µstep each millisecond, which is how fast the current
+/// rises by default: a load is handed over gently, and not dropped.
+const CARRIED_PER_MICROSTEP: i64 = 20;
+
 /// How many control periods the damping's velocity is measured over.
 const DAMPING_TICKS: i64 = 5;
 
@@ -30,7 +34,8 @@ impl Tmcm1311 {
         let lead = i64::from(gain) * error / UNIT_GAIN - i64::from(damping) * moved / DAMPING_TICKS;
         let limits = LeadLimits::new(0, 0);
         if let Some(closed) = self.closed_mut() {
-            closed.leads.lead_by(lead, limits);
+            closed.leads.lead_by(lead + closed.carried / CARRIED_PER_MICROSTEP, limits);
+            closed.carried -= closed.carried.signum();
         }
         true
     }
@@ -49,14 +54,14 @@ impl Tmcm1311 {
         }
     }
 
-    /// As long as the rotor is pushed further away, the way back has not begun: the ramp starts from where it gets to. The field
-    /// goes on pulling.
+    /// As long as the rotor is pushed further away, the way back has not begun: the ramp gives way, and starts from near where
+    /// it gets to. The field goes on pulling.
     pub(super) fn begin_return_anew(&mut self) {
         let limit =
             i64::from(self.kept_value(AxisParameter::StandstillErrorLimit)) + i64::from(QUARTER_PERIOD);
         let Some(closed) = self.closed_mut() else { return };
         if closed.recovers && closed.leads.ramp().saturating_abs() > limit {
-            closed.leads.forget_ramp();
+            closed.leads.give_way(limit);
             self.ramp.halt();
         }
     }
@@ -74,10 +79,16 @@ impl Tmcm1311 {
             && closed.leads.ramp().unsigned_abs()
                 <= u64::from(self.kept_value(P::StandstillErrorLimit).unsigned_abs());
         let time = self.kept_value(P::PositionReachedTime).unsigned_abs() * TICKS_PER_WINDOW_UNIT;
+        let gain = i64::from(self.kept_value(P::StandstillGain));
         let Some(closed) = self.closed_mut() else { return };
         closed.in_window =
             if positions && near { closed.in_window.saturating_add(1).min(time + 1) } else { 0 };
         closed.holds = landed && closed.in_window > time;
-        closed.recovers &= !closed.holds;
+        if closed.holds {
+            closed.recovers = false;
+            closed.leads.forget_overload();
+            let held = gain * closed.leads.ramp() / UNIT_GAIN;
+            closed.carried = (i64::from(closed.leads.field()) - held) * CARRIED_PER_MICROSTEP;
+        }
     }
 }

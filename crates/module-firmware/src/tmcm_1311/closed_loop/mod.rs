@@ -18,7 +18,7 @@ use motion_control::closed_loop::leads::{Correction, LeadLimits, Leads};
 use motion_control::closed_loop::scale::{EncoderScale, Odometer};
 use motion_control::closed_loop::torque_ramp::TorqueRamp;
 use motion_control::closed_loop::weakening;
-use motion_control::ramp::UNITS_PER_STEP;
+use motion_control::ramp::{Place, UNITS_PER_STEP};
 
 use super::{AxisParameter, RampMode, Tmcm1311};
 
@@ -52,6 +52,8 @@ pub(super) struct ClosedLoop {
     torque_is_held: bool,
     /// Standstill mode (§8.5): the target is reached.
     holds: bool,
+    /// What standstill mode took over from the move before it, in 1/20 µstep.
+    carried: i64,
     /// It was pushed out of standstill mode, and is on its way back.
     recovers: bool,
     /// For how many control periods the motor has been within AP 134 of the target.
@@ -69,6 +71,7 @@ impl ClosedLoop {
             torque: TorqueRamp::new(),
             torque_is_held: false,
             holds: false,
+            carried: 0,
             recovers: false,
             in_window: 0,
         }
@@ -85,7 +88,13 @@ impl ClosedLoop {
         self.leads.ramp()
     }
 
+    /// How far the ramp is ahead of the rotor, in µsteps, and would be, had it not given way to an overload.
+    pub(super) fn shortfall(&self) -> i64 {
+        self.leads.shortfall()
+    }
+
     fn stop_holding(&mut self) {
+        self.leads.forget_overload();
         self.holds = false;
         self.recovers = false;
         self.in_window = 0;
@@ -121,8 +130,21 @@ impl Tmcm1311 {
         }
     }
 
+    /// A control period of the closed loop, and whether it changed anything.
+    pub(super) fn tick_closed_loop(&mut self) {
+        let before = self.resting();
+        self.close_loop();
+        self.settled = before.is_some() && before == self.resting();
+    }
+
+    /// The state of a loop that may be at rest.
+    fn resting(&self) -> Option<(ClosedLoop, Place)> {
+        let rests = self.ramp.is_standing() && self.tachometer.is_at_rest();
+        self.closed().copied().filter(|_| rests).map(|closed| (closed, self.ramp.place()))
+    }
+
     /// A control period of the closed loop: ramp, then field, then current.
-    pub(super) fn close_loop(&mut self) {
+    fn close_loop(&mut self) {
         if self.switched_off || self.is_disabled() {
             self.follow_loose_rotor();
         } else if self.in_step_dir_mode() {
@@ -182,7 +204,15 @@ impl Tmcm1311 {
 
     /// How far the field may be ahead now: γ counts on the side the rotor turns to (§8.9).
     fn lead_limits(&self) -> LeadLimits {
-        LeadLimits::new(self.gamma(), self.measured_velocity_pps())
+        let Some(closed) = self.closed() else { return LeadLimits::new(0, 0) };
+        let (scale, rate) = (closed.rotor.scale(), self.tachometer.rate());
+        let from_pps = self.kept_value(AxisParameter::FieldWeakeningMinVelocity).unsigned_abs();
+        // Mostly there is nothing to weaken, which takes no division to see.
+        if !scale.is_faster(rate.counts, rate.ticks, from_pps) {
+            return LeadLimits::new(0, 0);
+        }
+        let velocity_pps = scale.velocity_pps(rate.counts, rate.ticks);
+        LeadLimits::new(self.gamma_at(velocity_pps), velocity_pps)
     }
 
     /// AP 230, which reads as its default until there is a field to weaken.
@@ -190,9 +220,13 @@ impl Tmcm1311 {
         if self.closed().is_none() {
             return self.kept_value(AxisParameter::Gamma);
         }
+        self.gamma_at(self.measured_velocity_pps())
+    }
+
+    fn gamma_at(&self, velocity_pps: i32) -> i32 {
         let velocity = |parameter| self.kept_value(parameter).unsigned_abs();
         weakening::gamma(
-            self.measured_velocity_pps().unsigned_abs(),
+            velocity_pps.unsigned_abs(),
             velocity(AxisParameter::FieldWeakeningMinVelocity),
             velocity(AxisParameter::FieldWeakeningMaxVelocity),
         )
@@ -207,7 +241,11 @@ impl Tmcm1311 {
         Correction {
             proportional: value(P::CorrectionVelocityP),
             max_following_error: left_alone,
-            max_velocity_pps: self.largest_driven_pps().max(value(P::MaxCorrectionVelocity)),
+            // The ramp may come from a faster mode, and has to brake.
+            max_velocity_pps: self
+                .largest_driven_pps()
+                .max(value(P::MaxCorrectionVelocity))
+                .max(self.ramp.velocity_pps().unsigned_abs()),
         }
     }
 
@@ -218,10 +256,10 @@ impl Tmcm1311 {
 
     /// The fastest that ramp or pulses may be.
     fn largest_driven_pps(&self) -> u32 {
-        let pace = self.search_pace();
         let largest_pps = if self.in_step_dir_mode() {
             self.kept_value(AxisParameter::MaxVelocity).max(self.actual_velocity_pps().saturating_abs())
         } else if self.search.is_some() {
+            let pace = self.search_pace();
             pace.search_pps.max(pace.switch_pps)
         } else {
             self.kept_value(AxisParameter::MaxVelocity)
@@ -233,7 +271,7 @@ impl Tmcm1311 {
     fn field_phase(&self) -> u16 {
         let Some(closed) = self.closed() else { return self.phase };
         let offset = self.kept_value(AxisParameter::EncoderOffset);
-        let offset = closed.rotor.scale().microsteps(offset.into());
+        let offset = if offset == 0 { 0 } else { closed.rotor.scale().microsteps(offset.into()) };
         turned(closed.rotor_phase, offset + i64::from(closed.leads.field()))
     }
 

@@ -48,10 +48,10 @@ impl Tmcm1311 {
         Ok(())
     }
 
-    /// Neither ramp nor search nor pulses move the motor, and torque does not either.
+    /// Neither ramp nor search nor pulses move the motor or are about to, and torque does not either.
     pub(in super::super) fn is_standing_still(&self) -> bool {
         let turns = self.mode == RampMode::Torque && self.measured_velocity_pps() != 0;
-        self.ramp.is_standing() && self.search.is_none() && !self.is_pulsed() && !turns
+        self.ramp.is_at_rest(&self.limits()) && self.search.is_none() && !self.is_pulsed() && !turns
     }
 
     /// The current that flows now, in 1/256 of AP 6.

@@ -90,10 +90,18 @@ impl Tmcm1311 {
         self.ramp.tick(&self.limits());
         let steps = self.ramp.position().wrapping_sub(before);
         let limits = self.lead_limits();
+        // A ramp that stands would throw a fast rotor back as hard as it braked it.
+        let runs_on = self.tachometer.recent_counts();
+        let brakes = self.is_blocked(runs_on) && !self.stops_softly();
         if let Some(closed) = self.closed_mut() {
             closed.torque_is_held = true;
-            closed.leads.ramp_moved(steps.into());
-            closed.leads.follow_closely(limits);
+            if brakes {
+                closed.leads.forget_ramp();
+                closed.leads.lead_by(limits.towards(runs_on.saturating_neg()).into(), limits);
+            } else {
+                closed.leads.ramp_moved(steps.into());
+                closed.leads.follow_closely(limits);
+            }
         }
     }
 }
