@@ -1,15 +1,18 @@
-//! Control periods of the TMCM-1311's firmware, for counting their instructions (CONTRIBUTING.md says how).
+//! Control periods of the modules' firmware, for counting their instructions (CONTRIBUTING.md says how).
 //!
 //! `control_step SCENARIO [PERIODS]`: settles, then goes through so many control periods in [`control_step`] and nowhere else,
 //! with sensors that say the same in every run. Without a scenario it lists them.
 #![allow(clippy::disallowed_methods, reason = "a command of its own, which reads its arguments")]
 
+#[path = "control_step/brushless.rs"]
+mod brushless;
+
 use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::process::ExitCode;
 
-use module_firmware::tmcm_1311::{Drive, DriverStatus, Sensed, Tmcm1311};
-use module_firmware::{Firmware, Instruction, PortId, RecordKey, Storage, StorageError};
+use module_firmware::tmcm_1311::{DriverStatus, Sensed, Tmcm1311};
+use module_firmware::{Axis, Firmware, Instruction, PortId, RecordKey, Storage, StorageError};
 use tmcl_tables::Command;
 use tmcl_tables::tmcm_1311::AxisParameter;
 use tmcl_wire::{Request, serial};
@@ -106,7 +109,7 @@ impl Storage for Blank {
 
 /// One control period: what is counted.
 #[inline(never)]
-fn control_step(firmware: &mut Firmware<Tmcm1311>, sensed: &Sensed) -> Drive {
+fn control_step<A: Axis>(firmware: &mut Firmware<A>, sensed: &A::Sensed) -> A::Drive {
     firmware.tick(sensed)
 }
 
@@ -207,8 +210,13 @@ fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let name = arguments.next().unwrap_or_default();
     let periods = arguments.next().and_then(|periods| periods.parse().ok()).unwrap_or(1000);
+    if let Some(scenario) = brushless::SCENARIOS.iter().find(|scenario| scenario.name == name) {
+        brushless::run(scenario, periods);
+        return ExitCode::SUCCESS;
+    }
     let Some(scenario) = SCENARIOS.iter().find(|scenario| scenario.name == name) else {
-        let names: Vec<_> = SCENARIOS.iter().map(|scenario| scenario.name).collect();
+        let brushless = brushless::SCENARIOS.iter().map(|scenario| scenario.name);
+        let names: Vec<_> = SCENARIOS.iter().map(|scenario| scenario.name).chain(brushless).collect();
         eprintln!("usage: control_step SCENARIO [PERIODS]; scenarios: {}", names.join(", "));
         return ExitCode::FAILURE;
     };

@@ -182,12 +182,12 @@ pub(crate) struct Demo {
     /// The bench the module stands on (docs/bench-file.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) bench: Option<PathBuf>,
-    /// How far to turn
-    #[arg(long, value_name = "TURNS", default_value = "0.5", allow_negative_numbers = true, value_parser = turns)]
-    pub(crate) turns: f64,
-    /// How fast
-    #[arg(long, value_name = "RPM", default_value = "60", allow_negative_numbers = true, value_parser = rpm)]
-    pub(crate) rpm: f64,
+    /// How far to turn; a stepper 0.5 if nothing is said, a brushless motor 10
+    #[arg(long, value_name = "TURNS", allow_negative_numbers = true, value_parser = turns)]
+    pub(crate) turns: Option<f64>,
+    /// How fast; a stepper 60 if nothing is said, a brushless motor 1000
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true, value_parser = rpm)]
+    pub(crate) rpm: Option<f64>,
     #[command(flatten)]
     pub(crate) recording: Recording,
     /// Print JSON instead of the table and the plot
@@ -201,7 +201,7 @@ pub(crate) struct Recording {
     /// Write a sample every so often to a CSV file
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) trace: Option<PathBuf>,
-    /// Draw position, velocity, load and coil currents, or the panels you name, as an SVG file
+    /// Draw position, velocity, load and currents, or the panels you name, as an SVG file
     #[arg(long, value_name = "FILE.svg")]
     pub(crate) plot: Option<PathBuf>,
     /// Draw this instead, such as "Speed [rpm]: actual_velocity, physical.velocity_rpm as shaft"

@@ -10,7 +10,7 @@ pub(crate) enum NameError {
     #[error("no such module; there are {0}")]
     Module(String),
     /// A module that the tables know, but that there is no virtual one of.
-    #[error("there is no virtual one yet; there is {0}")]
+    #[error("there is no virtual one yet; there are {0}")]
     NotVirtual(String),
     /// The part behind the `@`.
     #[error("the address behind the @ is a number from 0 to 255, not `{0}`")]
@@ -59,7 +59,8 @@ mod tests {
         assert_eq!(setup("tmcm-1311"), Ok(VirtualModule { kind, address: None }));
         assert_eq!(setup("TMCM-1311@7"), Ok(VirtualModule { kind, address: Some(7) }));
         assert_eq!(setup("1311@256"), Err(NameError::Address("256".to_owned())));
-        assert!(matches!(setup("tmcm-1640"), Err(NameError::NotVirtual(_))));
+        assert_eq!(setup("tmcm-1640"), Ok(VirtualModule { kind: ModuleKind::Tmcm1640, address: None }));
+        assert!(matches!(setup("tmcm-1076"), Err(NameError::NotVirtual(_))));
         assert!(matches!(setup("tmcm-1312"), Err(NameError::Module(_))));
     }
 }

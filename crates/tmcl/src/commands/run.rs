@@ -89,7 +89,7 @@ fn checked(options: &Run, on_bench: Option<&'static ModuleSpec>) -> Result<Check
 
 fn virtual_kind(module: &'static ModuleSpec) -> Result<ModuleKind, Failure> {
     ModuleKind::try_from(module).map_err(|unknown| {
-        Failure::new(Code::Usage, format!("{unknown}; there is {}", module_name::virtual_modules()))
+        Failure::new(Code::Usage, format!("{unknown}; there are {}", module_name::virtual_modules()))
     })
 }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tmcl_server::{Advance, Notice, Server};
 use tmcl_tables::GlobalParameter;
-use virtual_bench::{Bench, BenchConfig, PORTS};
+use virtual_bench::{Bench, BenchConfig, ModuleKind, PORTS};
 
 use crate::arguments::Serve;
 use crate::bench_file;
@@ -99,6 +99,8 @@ fn listen_pty(_server: &mut Server, _path: &Path) -> Result<(), Failure> {
 struct Client {
     name: &'static str,
     address: i64,
+    /// What moves the motor as the module comes.
+    motion: &'static str,
 }
 
 impl Client {
@@ -108,12 +110,17 @@ impl Client {
         let (bank, number) = GlobalParameter::SerialAddress.address();
         let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
         let address = first.and_then(|module| module.address).map_or(factory, i64::from);
-        Self { name: spec.name, address }
+        let motion = match first.map(|module| module.kind) {
+            Some(ModuleKind::Tmcm1640) => "rotate(1000)",
+            Some(ModuleKind::Tmcm1311) | None => "move_to(51200)",
+        };
+        Self { name: spec.name, address, motion }
     }
 
     /// What to type to drive the module with PyTrinamic.
     fn advise(&self, interface: &str, port: &str) {
         let class = self.name.replace('-', "");
+        let motion = self.motion;
         let (option, argument) = match self.address {
             1 => (String::new(), String::new()),
             address => (format!(" --module-id {address}"), format!(", {address}")),
@@ -122,7 +129,7 @@ impl Client {
             "\nPyTrinamic (pip install pytrinamic):\n\n    from pytrinamic.connections import ConnectionManager\n    \
              from pytrinamic.modules import {class}\n    \
              connection = ConnectionManager(\"--interface {interface} --port {port}{option}\").connect()\n    \
-             motor = {class}(connection{argument}).motors[0]\n    motor.move_to(51200)\n"
+             motor = {class}(connection{argument}).motors[0]\n    motor.{motion}\n"
         );
     }
 }

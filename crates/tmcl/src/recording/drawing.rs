@@ -2,22 +2,10 @@
 
 use virtual_bench::{Bench, ModuleId, Trace};
 
-use super::units::{self, Conversion, Steps, Unit};
+use super::units::{self, Conversion, Counting, Steps, Unit};
+use super::usual;
 use crate::panel::{self, CurveText, Look, PanelText};
 use crate::plot::{Across, Figure, Panel, Series, Style};
-
-/// What is drawn when nothing is said, of the first module.
-const PANELS: [&str; 5] = [
-    "Position [turn]: physical.rotor_turns as physical, dashed actual_position as commanded",
-    "Velocity [rpm]: physical.velocity_rpm as physical, dashed actual_velocity as commanded",
-    "Load [Nm]: physical.torque_nm as motor, dashed physical.load_nm as load",
-    "physical.load_angle_deg as Load angle",
-    "Coil currents [A]: physical.coil_a_a as A, physical.coil_b_a as B",
-];
-
-/// Columns that say how many steps a turn has, in the order of the fields of [`Steps`].
-const STEPS: [&str; 4] =
-    ["motor_full_steps", "microstep_resolution", "encoder_resolution", "closed_loop_initialized"];
 
 /// How a run is drawn.
 pub(super) struct Drawing {
@@ -35,8 +23,9 @@ struct DrawnPanel {
 struct Curve {
     text: CurveText,
     unit: Unit,
-    /// Of the trace, in the order of [`STEPS`].
-    steps: [String; 4],
+    counting: Counting,
+    /// Of the trace, in the order of [`Counting::columns`].
+    steps: Vec<String>,
     shown_in: String,
     conversion: Conversion,
 }
@@ -78,7 +67,8 @@ impl Drawing {
 }
 
 fn usual_panels(bench: &Bench) -> Result<Vec<PanelText>, String> {
-    let mut panels = PANELS.iter().map(|text| panel::parse(text)).collect::<Result<Vec<_>, _>>()?;
+    let mut panels =
+        usual::panels(bench).iter().map(|text| panel::parse(text)).collect::<Result<Vec<_>, _>>()?;
     for curve in panels.iter_mut().flat_map(|panel| &mut panel.curves) {
         curve.name = prefixed(bench, ModuleId(0), &curve.name);
     }
@@ -148,10 +138,13 @@ impl Curve {
         let probe = bench.probe(&text.name).map_err(|error| error.to_string())?;
         let alone = Trace::new(bench, &[&text.name], 0).map_err(|error| error.to_string())?;
         let unit = alone.columns().first().map_or("", |column| column.unit);
+        let spec = bench.spec(probe.module);
+        let counting = Counting::of(spec);
         Ok(Self {
             text: text.clone(),
-            unit: Unit::of(probe, bench.spec(probe.module), unit),
-            steps: STEPS.map(|name| prefixed(bench, probe.module, name)),
+            unit: Unit::of(probe, spec, unit),
+            counting,
+            steps: step_columns(bench, probe.module, counting),
             shown_in: String::new(),
             conversion: Conversion::Factor(1.0),
         })
@@ -162,7 +155,8 @@ impl Curve {
     }
 
     fn show_in(&mut self, unit: &str) -> Result<(), String> {
-        self.conversion = Conversion::new(self.unit, unit).ok_or_else(|| {
+        let conversion = Conversion::new(self.unit, unit).filter(|_| self.counting.knows(unit));
+        self.conversion = conversion.ok_or_else(|| {
             format!("`{}` ({}) cannot be shown in `{unit}`", self.text.name, self.unit.name())
         })?;
         self.shown_in = unit.to_owned();
@@ -178,32 +172,33 @@ impl Curve {
                 .collect();
         }
         let converted = |(value, steps)| self.conversion.convert(value, steps);
-        values.into_iter().zip(steps(trace, &self.steps)).map(converted).collect()
+        values.into_iter().zip(steps(trace, self.counting, &self.steps)).map(converted).collect()
     }
 }
 
+/// The columns that say how many steps a turn of a module's motor has.
+fn step_columns(bench: &Bench, module: ModuleId, counting: Counting) -> Vec<String> {
+    counting.columns().iter().map(|name| prefixed(bench, module, name)).collect()
+}
+
 /// How many steps a turn had, sample by sample, by the columns of these names.
-fn steps(trace: &Trace, names: &[String; 4]) -> Vec<Steps> {
-    let [full_steps, resolution, encoder_steps, closed_loop] =
-        names.each_ref().map(|name| trace.values_of(name).unwrap_or_default());
-    let motor = full_steps.into_iter().zip(resolution);
-    let encoder = encoder_steps.into_iter().zip(closed_loop);
-    let together = motor.zip(encoder).map(|((full_steps, resolution), (encoder_steps, closed_loop))| Steps {
-        full_steps,
-        resolution,
-        encoder_steps,
-        closed_loop: closed_loop != 0.0,
-    });
-    together.collect()
+fn steps(trace: &Trace, counting: Counting, names: &[String]) -> Vec<Steps> {
+    let columns: Vec<Vec<f64>> = names.iter().map(|name| trace.values_of(name).unwrap_or_default()).collect();
+    let at = |sample: usize| -> Vec<f64> {
+        columns.iter().filter_map(|column| column.get(sample).copied()).collect()
+    };
+    (0..trace.times_ns().len()).map(|sample| counting.steps(&at(sample))).collect()
 }
 
 /// The positions of the first module in turns.
 pub(super) fn commanded_turns(bench: &Bench, trace: &Trace) -> Vec<f64> {
-    let names = STEPS.map(|name| prefixed(bench, ModuleId(0), name));
+    let module = ModuleId(0);
+    let counting = Counting::of(bench.spec(module));
+    let names = step_columns(bench, module, counting);
     let in_turns = Conversion::Motion { from: Unit::Steps, to: "turn".to_owned() };
-    let positions = trace.values_of(&prefixed(bench, ModuleId(0), "actual_position")).unwrap_or_default();
+    let positions = trace.values_of(&prefixed(bench, module, "actual_position")).unwrap_or_default();
     let converted = |(value, steps)| in_turns.convert(value, steps);
-    positions.into_iter().zip(steps(trace, &names)).map(converted).collect()
+    positions.into_iter().zip(steps(trace, counting, &names)).map(converted).collect()
 }
 
 /// A module's, by its name where the bench has several.
@@ -222,16 +217,61 @@ mod tests {
     use super::*;
 
     fn bench() -> Bench {
-        Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311))
+        bench_of(ModuleKind::Tmcm1311)
+    }
+
+    fn bench_of(kind: ModuleKind) -> Bench {
+        Bench::new(&BenchConfig::default_for(kind))
     }
 
     fn drawing(texts: &[&str]) -> Result<Drawing, String> {
+        drawing_of(ModuleKind::Tmcm1311, texts)
+    }
+
+    fn drawing_of(kind: ModuleKind, texts: &[&str]) -> Result<Drawing, String> {
         let panels = texts.iter().map(|text| panel::parse(text)).collect::<Result<Vec<_>, _>>()?;
-        Drawing::new(&bench(), &panels)
+        Drawing::new(&bench_of(kind), &panels)
     }
 
     fn unit_of(text: &str) -> Result<String, String> {
         drawing(&[text]).map(|drawing| drawing.panels[0].unit.clone())
+    }
+
+    #[test]
+    fn a_brushless_motors_units() {
+        let unit = |text: &str| {
+            drawing_of(ModuleKind::Tmcm1640, &[text]).map(|drawing| drawing.panels[0].unit.clone())
+        };
+        let is = |text: &str| unit(text).unwrap();
+        assert_eq!(
+            is("actual_position, encoder_counter, sensed.encoder_counts, physical.rotor_turns"),
+            "turn"
+        );
+        assert_eq!(is("actual_velocity, ramp_velocity, physical.velocity_rpm"), "rpm");
+        assert_eq!(is("motor_current, physical.current_q_a"), "A");
+        assert_eq!(is("[count]: actual_position, target_position"), "count");
+        let error = unit("[µstep]: actual_position").unwrap_err();
+        assert_eq!(error, "`actual_position` (steps) cannot be shown in `µstep`");
+        let error = unit("[pps]: actual_velocity").unwrap_err();
+        assert_eq!(error, "`actual_velocity` (rpm) cannot be shown in `pps`");
+    }
+
+    #[test]
+    fn every_module_has_something_to_be_drawn() {
+        for kind in ModuleKind::ALL {
+            let mut bench = bench_of(kind);
+            let drawing = Drawing::new(&bench, &[]).unwrap();
+            let columns: Vec<&str> = drawing.columns().collect();
+            let mut trace = Trace::new(&bench, &columns, 1_000_000).unwrap();
+            trace.advance_to(&mut bench, 10_000_000);
+            let figure = drawing.figure(&trace, "", 0);
+            assert!(figure.panels.len() >= 4);
+            let series = figure.panels.iter().flat_map(|panel| &panel.series);
+            assert!(series.flat_map(|series| &series.values).all(|value| value.is_finite()));
+            for name in usual::columns(&bench) {
+                assert!(bench.probe(name).is_ok(), "{name}");
+            }
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod drawing;
 mod units;
+mod usual;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -14,27 +15,6 @@ use crate::exit::{Code, Failure};
 use crate::plot::{self, Figure};
 use drawing::{Drawing, prefixed};
 
-/// What is recorded when nothing is said.
-const COLUMNS: [&str; 17] = [
-    "actual_position",
-    "physical.rotor_turns",
-    "encoder_counter",
-    "actual_velocity",
-    "physical.velocity_rpm",
-    "physical.load_nm",
-    "physical.torque_nm",
-    "physical.load_angle_deg",
-    "physical.coil_a_a",
-    "physical.coil_b_a",
-    "physical.bus_voltage_v",
-    "physical.supply_current_a",
-    "load_value",
-    "microstep_resolution",
-    "motor_full_steps",
-    "encoder_resolution",
-    "closed_loop_initialized",
-];
-
 /// Samples kept for a plot; older ones go.
 const KEPT: usize = 200_000;
 
@@ -44,6 +24,8 @@ const CHUNK: usize = 256;
 /// Records a bench while it runs.
 pub(crate) struct Recorder {
     trace: Trace,
+    /// The first ones of the trace.
+    usual: &'static [&'static str],
     drawing: Drawing,
     written: usize,
     csv: Option<BufWriter<File>>,
@@ -56,8 +38,8 @@ impl Recorder {
     pub(crate) fn new(bench: &Bench, options: &Recording, every_ns: u64) -> Result<Self, Failure> {
         let drawing = Drawing::new(bench, &options.panel)
             .map_err(|error| Failure::new(Code::Usage, format!("in --panel: {error}")))?;
-        let mut columns: Vec<String> =
-            COLUMNS.iter().map(|name| prefixed(bench, ModuleId(0), name)).collect();
+        let usual = usual::columns(bench);
+        let mut columns: Vec<String> = usual.iter().map(|name| prefixed(bench, ModuleId(0), name)).collect();
         columns.extend(options.column.iter().cloned());
         for name in drawing.columns() {
             if !columns.iter().any(|column| column == name) {
@@ -68,7 +50,7 @@ impl Recorder {
         let trace = Trace::new(bench, &columns, every_ns)
             .map_err(|error| Failure::new(Code::Usage, error.to_string()))?;
         let csv = options.trace.as_deref().map(|path| create(path, &trace)).transpose()?;
-        Ok(Self { trace, drawing, written: 0, csv, failure: None })
+        Ok(Self { trace, usual, drawing, written: 0, csv, failure: None })
     }
 
     /// [`Recorder::new`] where the options name a file to record to.
@@ -143,7 +125,7 @@ impl Recorder {
         self.failure = self.failure.take().or(outcome.err());
     }
 
-    /// The panels that were asked for, or position and velocity, load, and coil currents. The title gives way to one that was
+    /// The panels that were asked for, or position, velocity, load and currents. The title gives way to one that was
     /// asked for.
     pub(crate) fn figure(&self, options: &Recording, title: &str) -> Figure {
         let title = options.title.as_deref().unwrap_or(title);
@@ -155,9 +137,14 @@ impl Recorder {
         drawing::commanded_turns(bench, &self.trace)
     }
 
-    /// The samples of a column by its name.
+    /// When the samples were taken.
+    pub(crate) fn times_ns(&self) -> &[u64] {
+        self.trace.times_ns()
+    }
+
+    /// The samples of one of the usual columns by its name.
     pub(crate) fn values(&self, name: &str) -> Vec<f64> {
-        let index = COLUMNS.iter().position(|column| *column == name);
+        let index = self.usual.iter().position(|column| *column == name);
         index.map(|index| self.trace.values(index).collect()).unwrap_or_default()
     }
 }
