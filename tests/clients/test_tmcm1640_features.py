@@ -141,3 +141,12 @@ def test_the_driver_can_be_switched_off(module: TMCM1640) -> None:
     motor.set_axis_parameter(AP.EnableDriver, 0)
     wait_for(lambda: motor.actual_velocity == 0, "standstill")
     assert motor.get_axis_parameter(AP.ActualTorque, True) == 0
+
+
+def test_the_server_says_how_to_connect(serve: Callable[..., Server]) -> None:
+    """The hint names the class of this module, and a motion that the module can do as it comes."""
+    server = serve("--tcp", "127.0.0.1:0", module="tmcm-1640")
+    with server.ports[0].connect() as connection:
+        TMCM1640(connection).motors[0].rotate(0)
+    assert "from pytrinamic.modules import TMCM1640" in server.stderr()
+    assert "motor = TMCM1640(connection).motors[0]\n    motor.rotate(1000)" in server.stderr()

@@ -4,6 +4,7 @@
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use tmcl_tables::Command;
 use tmcl_tables::tmcm_1311::AxisParameter;
+use tmcl_tables::tmcm_1640;
 use tmcl_wire::{Request, serial};
 use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId, Probe, Quantity};
 
@@ -68,6 +69,20 @@ fn brushless() -> Bench {
     bench
 }
 
+/// A brushless motor on its way to a position far away, by its encoder.
+fn brushless_positioning() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640));
+    let commutation = tmcm_1640::AxisParameter::CommutationMode.number();
+    send(&mut bench, Command::SetAxisParameter, commutation, 7);
+    send(&mut bench, Command::SetAxisParameter, tmcm_1640::AxisParameter::MaxVelocity.number(), 2000);
+    bench.advance_by(2 * SECOND_NS);
+    send(&mut bench, Command::MoveToPosition, 0, 100_000 * 4096);
+    bench.advance_by(3 * SECOND_NS);
+    let velocity_rpm = bench.physical(MODULE).velocity_rpm;
+    assert!((1900.0..2100.0).contains(&velocity_rpm), "{velocity_rpm} rpm");
+    bench
+}
+
 fn bench(c: &mut Criterion) {
     let mut second = |name: &str, bench: &Bench| {
         c.bench_function(name, |b| {
@@ -87,6 +102,7 @@ fn bench(c: &mut Criterion) {
     let torque = AxisParameter::TorqueTargetCurrent.number();
     second("bench/1 s closed loop with 300 mA", &closed_loop_after(Command::SetAxisParameter, torque, 300));
     second("bench/1 s of a brushless motor at 2000 rpm", &brushless());
+    second("bench/1 s of a brushless motor to a position", &brushless_positioning());
     c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 

@@ -56,7 +56,8 @@ fn sensed(scenario: &Scenario, period: i32) -> Sensed {
     let electrical = counts.rem_euclid(ELECTRICAL_COUNTS);
     let sector = (electrical * 6 / ELECTRICAL_COUNTS) as usize;
     Sensed {
-        phase_currents_ma: [500, -250, -250],
+        // What friction takes of a motor that turns; a constant, for the regulators do not settle here anyway.
+        phase_currents_ma: if scenario.turns_per_s == 0 { [0; 3] } else { [300, -150, -150] },
         halls: SECTORS[sector],
         encoder_counts: counts,
         supply_voltage_dv: 240,
