@@ -1,7 +1,7 @@
 //! Any bytes to a module's ports: nothing panics, and every datagram for it gets whole replies.
 //!
-//! The first byte says what state the module is in: an axis in closed loop takes a second of virtual time to get there, and
-//! some luck.
+//! The first byte says what the module is, and what state it is in: an axis in closed loop, or one that commutates by its
+//! encoder, takes a second of virtual time to get there, and some luck.
 #![no_main]
 
 use std::cell::LazyCell;
@@ -16,24 +16,40 @@ const MODULE: ModuleId = ModuleId(0);
 thread_local! {
     static OPEN: LazyCell<Bench> = LazyCell::new(|| Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311)));
     static CLOSED: LazyCell<Bench> = LazyCell::new(closed);
+    static HALLS: LazyCell<Bench> = LazyCell::new(|| Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640)));
+    static ENCODER: LazyCell<Bench> = LazyCell::new(by_encoder);
+}
+
+/// What comes back of a request in no time.
+fn exchange(bench: &mut Bench, request: [u8; 7]) -> Vec<u8> {
+    bench.exchange(MODULE, PortId::ALL[0], &encode_request(1, Request::from_bytes(request)))
 }
 
 /// A module after SAP 129, 0, 1 and the time that takes.
 fn closed() -> Bench {
     let mut bench = OPEN.with(|open| Bench::clone(open));
-    let send = |bench: &mut Bench, request| {
-        bench.exchange(MODULE, PortId::ALL[0], &encode_request(1, Request::from_bytes(request)))
-    };
-    send(&mut bench, [5, 129, 0, 0, 0, 0, 1]);
+    exchange(&mut bench, [5, 129, 0, 0, 0, 0, 1]);
     bench.advance_by(1_500_000_000);
-    let initialized = send(&mut bench, [6, 133, 0, 0, 0, 0, 0]);
+    let initialized = exchange(&mut bench, [6, 133, 0, 0, 0, 0, 0]);
     assert_eq!(initialized[4..8], [0, 0, 0, 1], "AP 133");
+    bench
+}
+
+/// A TMCM-1640 after SAP 159, 0, 7 and the time that takes, turning.
+fn by_encoder() -> Bench {
+    let mut bench = HALLS.with(|halls| Bench::clone(halls));
+    exchange(&mut bench, [5, 159, 0, 0, 0, 0, 7]);
+    exchange(&mut bench, [1, 0, 0, 0, 0, 2, 88]);
+    bench.advance_by(1_500_000_000);
+    let velocity = exchange(&mut bench, [6, 3, 0, 0, 0, 0, 0]);
+    assert_ne!(velocity[4..8], [0, 0, 0, 0], "AP 3");
     bench
 }
 
 fuzz_target!(|data: &[u8]| {
     let Some((state, data)) = data.split_first() else { return };
-    let mut bench = if state % 2 == 0 { &OPEN } else { &CLOSED }.with(|bench| Bench::clone(bench));
+    let states = [&OPEN, &CLOSED, &HALLS, &ENCODER];
+    let mut bench = states[usize::from(state % 4)].with(|bench| Bench::clone(bench));
     // Eight bytes each: where to, and a request; or raw bytes, where the first says so.
     for chunk in data.chunks(9) {
         let (&first, rest) = chunk.split_first().expect("chunks are not empty");
@@ -49,7 +65,7 @@ fuzz_target!(|data: &[u8]| {
         let replies = bench.exchange(MODULE, port, &sealed);
         assert_eq!(replies.len() % 9, 0);
         for reply in replies.chunks_exact(9) {
-            let version = &reply[1..] == b"1311V111";
+            let version = [&b"1311V111"[..], b"1640V200"].contains(&&reply[1..]);
             assert!(version || checksum(&reply[..8]) == reply[8], "{reply:02x?}");
         }
     }

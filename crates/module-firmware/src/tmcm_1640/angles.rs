@@ -24,6 +24,8 @@ pub(super) struct EncoderAngle {
     pub(super) within_turn: i64,
     /// Whether the N channel was seen since power-on.
     pub(super) referenced: bool,
+    /// Whether AP 165 was found without the N channel: a place since power-on, not yet one on the disc.
+    pub(super) offset_floats: bool,
 }
 
 impl EncoderAngle {
@@ -58,6 +60,11 @@ impl Tmcm1640 {
         self.counted = self.counted_now();
     }
 
+    /// The counts since the N channel were no parts of this turn: it has to come again.
+    pub(super) fn forget_index(&mut self) {
+        self.encoder.referenced = false;
+    }
+
     fn follow_encoder(&mut self) {
         let raw = self.sensed.encoder_counts;
         let counts = raw.wrapping_sub(self.encoder.raw);
@@ -78,14 +85,17 @@ impl Tmcm1640 {
         if self.is_encoder_mode() { self.encoder.counts } else { self.halls.count() }
     }
 
-    /// The N channel passed. The first time it makes AP 165, which was found without it, a place on the encoder's disc: the
-    /// angle stays as it is. Where the motor is being turned to the N channel, AP 165 is such a place already.
+    /// The N channel passed. The first time it makes AP 165, if that was found without it, a place on the encoder's disc: the
+    /// angle stays as it is. One that was stored or set is such a place already. A motor that is being turned to the N channel
+    /// begins to count there again.
     fn take_index(&mut self) {
-        if !self.encoder.referenced {
+        let sought = matches!(self.initialization, Some(Initialization::Turn { .. }));
+        if sought || !self.encoder.referenced {
             let offset = self.commutation_offset() - self.encoder.within_turn;
             self.encoder.within_turn = 0;
             self.encoder.referenced = true;
-            if !matches!(self.initialization, Some(Initialization::Turn { .. })) {
+            if self.encoder.offset_floats {
+                self.encoder.offset_floats = false;
                 self.set_commutation_offset(offset);
             }
         }

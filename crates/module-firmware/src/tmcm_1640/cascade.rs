@@ -123,6 +123,11 @@ impl Tmcm1640 {
         i32::try_from(self.kept_value(AxisParameter::MaxCurrent).cast_unsigned()).unwrap_or(i32::MAX)
     }
 
+    pub(super) fn limit_target_current(&mut self) {
+        let largest_ma = self.max_current_ma();
+        self.regulation.target_current_ma = self.regulation.target_current_ma.clamp(-largest_ma, largest_ma);
+    }
+
     /// Forgets what the regulators added up, and where the ramp was: the next control period begins from how the motor turns.
     pub(super) fn reset_regulation(&mut self) {
         let position_reached = self.regulation.position_reached;

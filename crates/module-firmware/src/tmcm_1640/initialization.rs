@@ -16,6 +16,8 @@ const FRACTION_BITS: u32 = 32;
 /// An initialisation that runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Initialization {
+    /// Begins with the next control period in which the power stage may be on, with the settings of that time.
+    Due,
     /// Mode 0: the field stands at 90°, then at 0°, half of `ticks_left` each.
     Pull { ticks_left: u64, half_ticks: u64 },
     /// Mode 1: block commutation until the sector changes from this one.
@@ -29,7 +31,7 @@ impl Initialization {
     pub(super) fn angle(&self, hall_angle: u16) -> u16 {
         match *self {
             Self::Pull { ticks_left, half_ticks } if ticks_left > half_ticks => QUARTER_TURN,
-            Self::Pull { .. } => 0,
+            Self::Due | Self::Pull { .. } => 0,
             Self::Halls { .. } => hall_angle,
             Self::Turn { angle, .. } => (angle >> FRACTION_BITS) as u16, // wraps
         }
@@ -49,28 +51,47 @@ impl Tmcm1640 {
             return;
         }
         self.reset_regulation();
-        self.initialization = Some(match self.kept_value(AxisParameter::InitSineMode) {
+        // Not yet as AP 249 says: at power-on that is restored after AP 159.
+        self.initialization = Some(Initialization::Due);
+    }
+
+    /// The power stage went off: whatever the rotor was led to, it may have left again.
+    pub(super) fn interrupt_initialization(&mut self) {
+        self.initialization = self.initialization.map(|_| Initialization::Due);
+    }
+
+    /// What AP 249 says.
+    fn first_step(&mut self) -> Initialization {
+        match self.kept_value(AxisParameter::InitSineMode) {
             1 => Initialization::Halls { sector: self.halls.sector() },
-            2 => Initialization::Turn { angle: 0, step: self.init_step() },
+            2 => {
+                // AP 165 is a place on the disc, whatever was found before.
+                self.encoder.offset_floats = false;
+                Initialization::Turn { angle: 0, step: self.init_step() }
+            }
             _ => {
                 let delay_ms = self.kept_value(AxisParameter::InitSineDelay).max(0).unsigned_abs();
                 let half_ticks = u64::from(delay_ms) * TICKS_PER_MS / 2;
                 Initialization::Pull { ticks_left: 2 * half_ticks, half_ticks }
             }
-        });
+        }
     }
 
     /// How far the field turns in a control period at AP 241.
     fn init_step(&self) -> u64 {
-        let rpm = i64::from(self.kept_value(AxisParameter::InitVelocity));
-        let turns_per_tick = (rpm * self.pole_pairs()) << (FRACTION_BITS + 16);
-        (turns_per_tick / (60 * TICKS_PER_SECOND.cast_signed())).cast_unsigned()
+        let rpm = i128::from(self.kept_value(AxisParameter::InitVelocity));
+        let turns_per_tick = (rpm * i128::from(self.pole_pairs())) << (FRACTION_BITS + 16);
+        (turns_per_tick / (60 * i128::from(TICKS_PER_SECOND))) as u64 // whole turns do not matter
     }
 
     /// A control period of an initialisation, while the power stage is on.
     pub(super) fn initialize_on(&mut self) {
+        if self.initialization == Some(Initialization::Due) {
+            self.initialization = Some(self.first_step());
+            return;
+        }
         match &mut self.initialization {
-            None => {}
+            None | Some(Initialization::Due) => {}
             Some(Initialization::Pull { ticks_left: 0, .. }) => self.finish_initialization(0),
             Some(Initialization::Pull { ticks_left, .. }) => *ticks_left -= 1,
             Some(Initialization::Turn { .. }) if self.sensed.encoder_index => {
@@ -93,6 +114,7 @@ impl Tmcm1640 {
         let steps = self.encoder_steps();
         let turned = i64::from(angle) * steps / (self.pole_pairs() << 16);
         self.set_commutation_offset(self.encoder.within_turn - turned);
+        self.encoder.offset_floats = !self.encoder.referenced;
         self.initialization = None;
         self.reset_regulation();
     }

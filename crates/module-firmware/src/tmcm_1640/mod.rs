@@ -257,13 +257,15 @@ impl Tmcm1640 {
         self.kept.set(AxisParameter::TargetCurrent.index(), current_ma);
         self.change_mode(RegulationMode::Torque);
         self.regulation.position_reached = false;
+        // No regulator makes this current: it does not wait for AP 133.
+        self.velocity_due = 0;
     }
 
     /// The velocity regulator takes over from the current that flows, and the other way round: no jump.
     fn change_mode(&mut self, mode: RegulationMode) {
-        let leaves_torque = self.mode == RegulationMode::Torque && mode != RegulationMode::Torque;
+        let takes_over = (self.mode == RegulationMode::Torque) != (mode == RegulationMode::Torque);
         self.mode = mode;
-        if leaves_torque {
+        if takes_over {
             let velocity_rpm = self.velocity_rpm();
             self.regulation.ramp.set(velocity_rpm);
             self.regulation.velocity = Pi::default();
@@ -273,6 +275,7 @@ impl Tmcm1640 {
     /// What the power stage shall do.
     fn drive(&mut self) -> Drive {
         if !self.may_drive() {
+            self.interrupt_initialization();
             self.reset_regulation();
             self.judge_position(self.velocity_rpm());
             return Drive { duties: [0; 3], enabled: false, output: self.output };

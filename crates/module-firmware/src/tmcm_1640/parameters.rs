@@ -95,6 +95,23 @@ impl Tmcm1640 {
                 self.kept.set(parameter.index(), value);
                 self.minute_ticks = 0;
             }
+            P::EncoderResolution | P::EncoderDirection if value != self.kept_value(parameter) => {
+                self.kept.set(parameter.index(), value);
+                self.forget_index();
+            }
+            P::MaxCurrent => {
+                self.kept.set(parameter.index(), value);
+                // A lower limit does not wait for AP 133.
+                self.limit_target_current();
+            }
+            P::PidLoopDelay => {
+                self.kept.set(parameter.index(), value);
+                self.velocity_due = self.velocity_due.min(self.velocity_interval() - 1);
+            }
+            P::CurrentLoopDelay => {
+                self.kept.set(parameter.index(), value);
+                self.current_due = self.current_due.min(self.current_interval() - 1);
+            }
             _ => self.kept.set(parameter.index(), value),
         }
         Ok(())

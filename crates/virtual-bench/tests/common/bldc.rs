@@ -41,6 +41,10 @@ pub(crate) mod fault {
     pub(crate) const HALLS: [&str; 3] = ["fault.hall_1", "fault.hall_2", "fault.hall_3"];
     /// A phase, `"u"`, that is shorted to ground: the TMC603 reports it.
     pub(crate) const PHASE_SHORT: &str = "fault.phase_short";
+    /// A phase, `"u"`, whose wire comes off.
+    pub(crate) const PHASE_OPEN: &str = "fault.phase_open";
+    /// The right switch's contact is stuck: `"open"`, as a cut wire, or `"closed"`.
+    pub(crate) const SWITCH_RIGHT: &str = "fault.switch_right";
     /// What the NTC of §8 measures.
     pub(crate) const DRIVER_TEMPERATURE: &str = "fault.board_temperature_c";
     /// `"a"`, `"b"` or `"index"` comes off.
