@@ -17,6 +17,11 @@ enum Step {
         counts: i32,
         sector_every: u32,
     },
+    /// So long nothing comes from the sensors that was not there before, and then for so long nobody looks.
+    Rest {
+        ticks: u32,
+        skipped: u64,
+    },
 }
 
 /// Numbers of all sizes, and the ends.
@@ -95,6 +100,7 @@ fn step() -> impl Strategy<Value = Step> {
         2 => sensed(),
         4 => (1_u32..600, prop_oneof![-20..20, any::<i32>()], 1_u32..200)
             .prop_map(|(ticks, counts, sector_every)| Step::Turning { ticks, counts, sector_every }),
+        1 => (9_990_u32..10_100, 1_u64..3000).prop_map(|(ticks, skipped)| Step::Rest { ticks, skipped }),
     ]
 }
 
@@ -138,12 +144,38 @@ impl Driven {
                     self.tick();
                 }
             }
+            Step::Rest { ticks, skipped } => {
+                self.sensed.encoder_index = false;
+                self.run(ticks);
+                self.skip(skipped);
+            }
         }
         self.read_all();
     }
 
     fn run(&mut self, ticks: u32) {
         (0..ticks).for_each(|_| self.tick());
+    }
+
+    /// At rest, many control periods at once are the same as one by one.
+    fn skip(&mut self, ticks: u64) {
+        if !self.axis.is_idle(&self.sensed) {
+            return;
+        }
+        let mut skipped = Self { axis: self.axis.clone(), sensed: self.sensed };
+        let ticks = ticks.min(self.axis.quiet_ticks());
+        (0..ticks).for_each(|_| self.tick());
+        skipped.axis.skip(ticks);
+        self.sensed.phase_currents_ma = [100, -50, -50];
+        skipped.sensed = self.sensed;
+        for _ in 0..100 {
+            let [one, other] = [&mut *self, &mut skipped]
+                .map(|driven| driven.axis.tick(&driven.sensed, &mut Events::default()));
+            assert_eq!(one, other, "{ticks} ticks");
+            for parameter in Ap::ALL.iter().filter(|parameter| parameter.spec().access.read) {
+                assert_eq!(self.axis.get(*parameter), skipped.axis.get(*parameter), "{parameter:?}");
+            }
+        }
     }
 
     fn tick(&mut self) {
@@ -191,6 +223,15 @@ proptest! {
             driven.take(step);
         }
     }
+}
+
+#[test]
+fn the_steps_lead_to_rest() {
+    let mut driven = Driven::new();
+    driven.take(&Step::Rest { ticks: 10_100, skipped: 100 });
+    driven.sensed = RESTING;
+    driven.run(100);
+    assert!(driven.axis.is_idle(&driven.sensed));
 }
 
 /// A period that was far too long does not outlast its correction.
@@ -263,6 +304,20 @@ fn an_interrupted_initialisation_begins_anew() {
     assert_eq!(driven.axis.get(Ap::ActualControlledAngle), 16_384, "the first half");
 }
 
+/// The pull takes the rotor from its target, and the end flag goes at once.
+#[test]
+fn the_end_flag_is_judged_during_an_initialisation() {
+    let mut driven = Driven::new();
+    driven.set(Ap::CommutationMode, 7);
+    driven.axis.motion(Motion::MoveTo(0)).expect("never refused");
+    driven.run(2);
+    assert_eq!(driven.axis.get(Ap::PositionReached), 1);
+    driven.sensed.encoder_counts = 512;
+    driven.tick();
+    assert_eq!(driven.axis.get(Ap::PositionReached), 0);
+    assert_eq!(driven.axis.get(Ap::PositionPidError), -512);
+}
+
 /// Turns to the N channel and on, so many counts each.
 fn pass_index(driven: &mut Driven, before: i32, after: i32) {
     driven.sensed.encoder_counts += before;
@@ -288,7 +343,7 @@ fn the_first_index_moves_only_an_offset_that_was_found_without_it() {
     assert_eq!(found.axis.get(Ap::EncoderCommutationOffset), 0);
     pass_index(&mut found, 300, 0);
     assert_eq!(found.axis.get(Ap::EncoderCommutationOffset), 4096 - 300);
-    assert_eq!(found.axis.get(Ap::ActualEncoderAngle), (300 * 4 * 16 + 32_768) % 65_536 - 32_768);
+    assert_eq!(found.axis.get(Ap::ActualEncoderAngle), 300 * 4 * 16);
 }
 
 /// Counts of a turn of another length, or in the other direction, are no place on the disc.

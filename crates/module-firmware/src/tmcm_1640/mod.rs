@@ -282,6 +282,8 @@ impl Tmcm1640 {
         }
         if self.initialization.is_some() {
             self.initialize_on();
+            // It turns the motor, away from a target too.
+            self.judge_position(self.velocity_rpm());
         } else {
             self.regulate_motion();
         }
