@@ -7,7 +7,9 @@ mod closed_loop;
 mod deviation;
 mod driver;
 mod encoder;
+mod exchange;
 mod i2t;
+mod motion;
 mod parameters;
 mod ports;
 mod prepared;
@@ -20,7 +22,7 @@ mod switches;
 use motion_control::closed_loop::tachometer::Tachometer;
 use motion_control::homing::Search;
 use motion_control::i2t::I2t;
-use motion_control::ramp::{Goal, Limits, Ramp};
+use motion_control::ramp::Ramp;
 pub use tmcl_tables::tmcm_1311::{AxisParameter, Port};
 use tmcl_tables::{Interrupt, ModuleSpec, tmcm_1311 as tables};
 use tmcl_vm::WaitEvent;
@@ -32,54 +34,13 @@ use crate::values::Values;
 
 use closed_loop::Operation;
 pub use driver::{ChipSettings, CoolStep, DriverStatus};
+pub use exchange::{Drive, Sensed};
 use prepared::Prepared;
 use standstill::Standstill;
 use step_dir::StepDir;
 
 /// Microsteps of 1/256 full step in a full step.
 const MICROSTEPS: i32 = 256;
-
-/// What the module's sensors say, once a control period.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sensed {
-    /// The raw encoder count, which nothing but the shaft changes.
-    pub encoder_counts: i32,
-    /// Whether the encoder's index passed since the last control period.
-    pub encoder_index: bool,
-    /// Whether the contact of the left stop switch is open.
-    pub left_switch_open: bool,
-    /// Whether the contact of the right stop switch is open.
-    pub right_switch_open: bool,
-    /// Pulses on STEP since the last control period, signed by DIR: positive is to the right and increases the position.
-    pub steps: i32,
-    /// Whether the ENABLE input of the step/direction connector is active; it is not while nothing is connected (decision).
-    pub enabled: bool,
-    /// IN_1 to IN_3 and IN_5 to IN_7 as bits 1 to 3 and 5 to 7; 1 = high.
-    pub inputs: u8,
-    /// AIN_0 and AIN_4: 0 to 4095 for 0 to 10 V.
-    pub analog_inputs: [u16; 2],
-    /// Currents in coil A and coil B.
-    pub coil_currents_ma: [i16; 2],
-    /// Supply voltage in tenths of a volt.
-    pub supply_voltage_dv: u16,
-    /// Current drawn from the supply.
-    pub supply_current_ma: u16,
-    /// Temperature of the board.
-    pub temperature_c: i16,
-    /// What the driver chip reports.
-    pub driver: DriverStatus,
-}
-
-/// What the power stage and the outputs shall do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Drive {
-    /// Coil currents A and B, signed, in 1/248 of the current scale.
-    pub coils: [i16; 2],
-    /// The rest of what the driver chip is told.
-    pub chip: ChipSettings,
-    /// OUT_0 to OUT_7; 1 = on.
-    pub outputs: u8,
-}
 
 /// What the motor is doing (§6, AP 128). Torque mode needs the closed loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -328,114 +289,6 @@ impl Axis for Tmcm1311 {
 }
 
 impl Tmcm1311 {
-    /// Velocity mode: speeds up or slows down to `velocity_pps` (§5.7.1).
-    fn turn(&mut self, velocity_pps: i32) {
-        self.search = None;
-        self.forget_deviation();
-        self.end_standstill();
-        self.begin_motion();
-        self.mode = RampMode::Velocity;
-        self.target_velocity = velocity_pps;
-        self.ramp.set_goal(Goal::Velocity(velocity_pps));
-    }
-
-    /// Position mode: to `position` (§5.7.4). A motor that is there already stays.
-    fn move_to(&mut self, position: i32) {
-        self.search = None;
-        self.forget_deviation();
-        self.end_standstill();
-        if !(self.is_holding() && self.target_position == position) {
-            self.begin_motion();
-        }
-        self.mode = RampMode::Position;
-        self.target_position = position;
-        self.ramp.set_goal(Goal::Position(self.ramp_target()));
-    }
-
-    /// What MVP REL counts from (§6, AP 127).
-    fn relative_origin(&self) -> i32 {
-        match self.kept_value(AxisParameter::RelativePositioningOption) {
-            0 => self.target_position,
-            2 if self.closed().is_some() => self.encoder_counter(),
-            2 => self.encoder_position(),
-            _ => self.ramp_position(),
-        }
-    }
-
-    /// A control period of open loop.
-    fn tick_open_loop(&mut self) -> Drive {
-        self.freewheel_in_time();
-        let before = self.ramp.position();
-        if self.in_step_dir_mode() {
-            self.follow_pulses();
-        } else {
-            self.drive_ramp();
-        }
-        let rested = self.rested(self.ramp.position() != before);
-        let drive = self.drive();
-        if rested {
-            self.standstill.skip(1);
-        }
-        drive
-    }
-
-    /// Whether another control period with the same sensors would command the same.
-    fn is_settled(&self) -> bool {
-        match self.operation {
-            Operation::Open => {
-                self.ramp.goal() == self.allowed_goal() && self.ramp.is_settled(&self.limits())
-            }
-            Operation::Detecting(_) | Operation::Aligning { .. } => false,
-            Operation::Closed(_) => self.settled,
-        }
-    }
-
-    /// A control period of the ramp, and of what drives it.
-    fn drive_ramp(&mut self) {
-        if let Some(search) = self.search {
-            self.search_on(search);
-        } else {
-            self.heed_switches();
-            self.follow_ramp(&self.limits());
-        }
-    }
-
-    /// Lets the ramp go on, and in open loop the field with it.
-    fn follow_ramp(&mut self, limits: &Limits) {
-        let before = self.ramp.position();
-        self.ramp.tick(limits);
-        if self.closed().is_none() {
-            self.step(self.ramp.position().wrapping_sub(before));
-        }
-    }
-
-    fn limits(&self) -> Limits {
-        Limits {
-            max_velocity_pps: self.kept_value(AxisParameter::MaxVelocity),
-            acceleration_pps2: self.kept_value(AxisParameter::MaxAcceleration),
-            start_stop_velocity_pps: self.kept_value(AxisParameter::StartStopVelocity),
-        }
-    }
-
-    /// 1/256 full steps in a microstep (§6, AP 140); 1 in closed loop.
-    fn microstep_size(&self) -> i32 {
-        if self.closed().is_some() {
-            return 1;
-        }
-        MICROSTEPS >> self.kept_value(AxisParameter::MicrostepResolution).clamp(0, 8)
-    }
-
-    /// Turns the field on by what the ramp moved.
-    fn step(&mut self, microsteps: i32) {
-        let turned = microsteps.wrapping_mul(self.microstep_size());
-        let [_, _, high, low] = turned.to_be_bytes();
-        self.phase = self.phase.wrapping_add(u16::from_be_bytes([high, low]));
-    }
-
-    fn drive(&self) -> Drive {
-        Drive { coils: self.coil_currents(), chip: self.chip_settings(), outputs: self.outputs }
-    }
-
     fn kept_value(&self, parameter: AxisParameter) -> i32 {
         self.kept.get(parameter.index())
     }
