@@ -34,7 +34,7 @@ SETTINGS = [
     ("linear_ramp", "max_acceleration", AP.MaxAcceleration, 2000, 10_000),
     ("linear_ramp", "enabled", AP.EnableRamp, 1, 0),
     ("pid", "torque_p", AP.TorqueP, 600, 700),
-    ("pid", "torque_i", AP.TorqueI, 600, 4000),
+    ("pid", "torque_i", AP.TorqueI, 9000, 4000),
     ("pid", "velocity_p", AP.VelocityP, 800, 900),
     ("pid", "velocity_i", AP.VelocityI, 500, 3000),
     ("pid", "position_p", AP.PositionP, 300, 350),
