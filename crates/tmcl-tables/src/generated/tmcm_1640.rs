@@ -1610,7 +1610,7 @@ static AXIS_PARAMETERS: [ParameterSpec; 62] = [
         repeat_safe: true,
         section: "5, 5.1, 7.2",
         beyond_manual: "",
-        note: "Chosen for the default motor: with AP 172 = 600 it cancels the winding's time constant. With 600, as the stock client sets it, the current takes 50 ms longer",
+        note: "Chosen for the default motor: with AP 172 = 600 it cancels the winding's time constant. With 600, as the stock client sets it, 3.35 A of 4 A flow after 20 ms into a shaft that is held, with 9000 3.98 A",
     },
     ParameterSpec {
         number: 177,

@@ -130,7 +130,7 @@ impl Tmcm1311 {
         }
     }
 
-    /// A control period of the closed loop, and whether it changed anything.
+    /// A control period of the closed loop; takes note of whether it changed anything.
     pub(super) fn tick_closed_loop(&mut self) {
         let before = self.resting();
         self.close_loop();
