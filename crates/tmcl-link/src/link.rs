@@ -27,6 +27,15 @@ pub trait Link: Send {
     /// # Errors
     /// [`LinkError`] when the other side is gone.
     fn discard_input(&mut self) -> Result<(), LinkError>;
+
+    /// Lets time pass; what arrives meanwhile is kept.
+    ///
+    /// # Errors
+    /// [`LinkError`] when the other side is gone, where the link notices.
+    fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
+        std::thread::sleep(duration);
+        Ok(())
+    }
 }
 
 impl<L: Link + ?Sized> Link for Box<L> {
@@ -41,6 +50,10 @@ impl<L: Link + ?Sized> Link for Box<L> {
     fn discard_input(&mut self) -> Result<(), LinkError> {
         (**self).discard_input()
     }
+
+    fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
+        (**self).wait(duration)
+    }
 }
 
 impl<L: Link + ?Sized> Link for &mut L {
@@ -54,5 +67,9 @@ impl<L: Link + ?Sized> Link for &mut L {
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
         (**self).discard_input()
+    }
+
+    fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
+        (**self).wait(duration)
     }
 }

@@ -9,9 +9,9 @@ pub(crate) enum Code {
     Findings = 1,
     /// The command line makes no sense (clap uses this code too).
     Usage = 2,
-    /// A port, or a module behind it, cannot be reached.
+    /// A port cannot be opened, or the module behind it does not answer.
     Connection = 3,
-    /// The module answered with an error status, or not at all.
+    /// The module answered with an error status.
     TmclStatus = 4,
     /// The time is up, and something is undecided.
     Timeout = 42,
@@ -27,6 +27,10 @@ pub(crate) struct Failure {
 impl Failure {
     pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
         Self { code, message: message.into() }
+    }
+
+    pub(crate) fn code(&self) -> Code {
+        self.code
     }
 }
 

@@ -10,6 +10,7 @@
 mod arguments;
 mod bench_file;
 mod commands;
+mod connection;
 mod exit;
 mod module_name;
 mod panel;

@@ -1,20 +1,21 @@
 //! A link to a module on a bench in this process. Waiting for an answer lets virtual time pass.
 
+use std::borrow::BorrowMut;
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use tmcl_link::{Link, LinkError};
 use virtual_bench::{Bench, ModuleId, PortId, TICK_NS};
 
-/// The first port of a bench's module.
-pub(crate) struct VirtualLink<'a> {
-    bench: &'a mut Bench,
+/// The first port of a module on a bench that is owned or borrowed.
+pub(crate) struct VirtualLink<B> {
+    bench: B,
     module: ModuleId,
     arrived: VecDeque<u8>,
 }
 
-impl<'a> VirtualLink<'a> {
-    pub(crate) fn new(bench: &'a mut Bench, module: ModuleId) -> Self {
+impl<B: BorrowMut<Bench>> VirtualLink<B> {
+    pub(crate) fn new(bench: B, module: ModuleId) -> Self {
         Self { bench, module, arrived: VecDeque::new() }
     }
 
@@ -26,24 +27,24 @@ impl<'a> VirtualLink<'a> {
     /// Takes what the module has to say by now.
     fn collect(&mut self) {
         let mut bytes = Vec::new();
-        self.bench.transmit(self.module, Self::port(), &mut bytes);
+        self.bench.borrow_mut().transmit(self.module, Self::port(), &mut bytes);
         self.arrived.extend(bytes);
     }
 }
 
-impl Link for VirtualLink<'_> {
+impl<B: BorrowMut<Bench> + Send> Link for VirtualLink<B> {
     fn write(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        let answer = self.bench.exchange(self.module, Self::port(), bytes);
+        let answer = self.bench.borrow_mut().exchange(self.module, Self::port(), bytes);
         self.arrived.extend(answer);
         Ok(())
     }
 
     fn read(&mut self, buffer: &mut [u8], timeout: Duration) -> Result<usize, LinkError> {
         let timeout_ns = u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX);
-        let until_ns = self.bench.time_ns().saturating_add(timeout_ns);
+        let until_ns = self.bench.borrow().time_ns().saturating_add(timeout_ns);
         self.collect();
-        while self.arrived.is_empty() && self.bench.time_ns().saturating_add(TICK_NS) <= until_ns {
-            self.bench.advance_by(TICK_NS);
+        while self.arrived.is_empty() && self.bench.borrow().time_ns().saturating_add(TICK_NS) <= until_ns {
+            self.bench.borrow_mut().advance_by(TICK_NS);
             self.collect();
         }
         let length = buffer.len().min(self.arrived.len());
@@ -56,6 +57,13 @@ impl Link for VirtualLink<'_> {
     fn discard_input(&mut self) -> Result<(), LinkError> {
         self.collect();
         self.arrived.clear();
+        Ok(())
+    }
+
+    fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
+        let duration_ns = u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX);
+        self.bench.borrow_mut().advance_by(duration_ns);
+        self.collect();
         Ok(())
     }
 }
