@@ -25,6 +25,7 @@ mod power_on;
 mod program_memory;
 mod ring;
 mod storage;
+pub mod tmcm_1076;
 pub mod tmcm_1311;
 pub mod tmcm_1640;
 mod values;
