@@ -1,5 +1,6 @@
 //! The bench: modules that share a clock, the wires between them, and what happens to them when.
 
+use module_firmware::tmcm_1076::Tmcm1076;
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::tmcm_1640::Tmcm1640;
 use module_firmware::{PortId, RecordKey, Storage, Vm};
@@ -14,6 +15,7 @@ use crate::kind::ModuleKind;
 use crate::module::{Module, VirtualModule};
 use crate::probe::{self, Probe, ProbeError, Quantity};
 use crate::refusals::RefusedInstruction;
+use crate::step_bench::StepBench;
 use crate::stepper_bench::StepperBench;
 
 /// The banks of ports that wires join.
@@ -29,6 +31,7 @@ pub struct ModuleId(pub usize);
 enum AnyModule {
     Tmcm1311(Box<Module<Tmcm1311, StepperBench>>),
     Tmcm1640(Box<Module<Tmcm1640, BldcBench>>),
+    Tmcm1076(Box<Module<Tmcm1076, StepBench>>),
 }
 
 impl AnyModule {
@@ -36,6 +39,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_ref(),
             Self::Tmcm1640(module) => module.as_ref(),
+            Self::Tmcm1076(module) => module.as_ref(),
         }
     }
 
@@ -43,6 +47,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_mut(),
             Self::Tmcm1640(module) => module.as_mut(),
+            Self::Tmcm1076(module) => module.as_mut(),
         }
     }
 }
@@ -348,6 +353,9 @@ fn slot(config: &ModuleConfig) -> Slot {
         }
         ModuleKind::Tmcm1640 => {
             AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, pace)))
+        }
+        ModuleKind::Tmcm1076 => {
+            AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, pace)))
         }
     };
     Slot { name: config.name.clone(), kind: config.kind, module }

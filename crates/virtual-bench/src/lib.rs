@@ -15,8 +15,11 @@ mod hardware;
 mod kind;
 mod module;
 mod probe;
+mod pulse_source;
 mod refusals;
+mod step_bench;
 mod stepper_bench;
+mod stepper_stage;
 mod trace;
 
 pub use bench::{Bench, ModuleId};

@@ -37,6 +37,7 @@ impl Surroundings for BldcBench {
             | Setting::CoilShort(_)
             | Setting::DroppedSteps(_)
             | Setting::StepFrequencyHz(_)
+            | Setting::StepAccelerationHzPerS(_)
             | Setting::StepPulses(_)
             | Setting::StepEnable(_) => {}
         }

@@ -95,9 +95,17 @@ fn a_motor_by_its_figures() {
 #[test]
 fn a_pulse_source() {
     let step_dir = |lines: &str| bench(&format!("{MODULE}[module.step_dir]\n{lines}")).modules[0].step_dir;
-    let given = StepDirConfig { frequency_hz: -1000.5, pulses: Some(51_200), enabled: true };
-    assert_eq!(step_dir("frequency_hz = -1000.5\npulses = 51200\nenable = 1\n"), given);
-    let silent = StepDirConfig { frequency_hz: 0.0, pulses: None, enabled: false };
+    let given = StepDirConfig {
+        frequency_hz: -1000.5,
+        acceleration_hz_per_s: 2000.0,
+        pulses: Some(51_200),
+        enabled: true,
+    };
+    assert_eq!(
+        step_dir("frequency_hz = -1000.5\nacceleration_hz_per_s = 2000\npulses = 51200\nenable = 1\n"),
+        given
+    );
+    let silent = StepDirConfig::default();
     assert_eq!(step_dir("enable = 0\n"), silent);
     assert_eq!(step_dir("pulses = 0\n").pulses, Some(0));
 }
