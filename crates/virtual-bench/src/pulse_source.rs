@@ -117,7 +117,7 @@ impl PulseSource {
     /// Lets a control period pass.
     pub(crate) fn advance(&mut self) {
         self.accelerate();
-        let (rate, to_first) = (self.rate(), self.to_edge());
+        let (rate, to_first) = (self.rate(), self.until_edge());
         let count = if rate < to_first { 0 } else { 1 + (rate - to_first) / HALF };
         let count = count.min(self.edges_left());
         self.edges = Span { count, to_first, rate, rising_first: !self.high };
@@ -149,7 +149,7 @@ impl PulseSource {
 
     /// The same for the next edge.
     pub(crate) fn periods_to_edge(&self) -> u64 {
-        if self.edges_left() == 0 { u64::MAX } else { self.periods_to(self.phase + self.to_edge()) }
+        if self.edges_left() == 0 { u64::MAX } else { self.periods_to(self.phase + self.until_edge()) }
     }
 
     fn periods_to(&self, phase: u64) -> u64 {
@@ -163,7 +163,7 @@ impl PulseSource {
     }
 
     /// Fractions until the next edge.
-    fn to_edge(&self) -> u64 {
+    fn until_edge(&self) -> u64 {
         if self.high { HALF.saturating_sub(self.phase) } else { PERIOD.saturating_sub(self.phase) }
     }
 

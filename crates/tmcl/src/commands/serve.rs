@@ -99,8 +99,8 @@ fn listen_pty(_server: &mut Server, _path: &Path) -> Result<(), Failure> {
 struct Client {
     name: &'static str,
     address: i64,
-    /// What moves the motor as the module comes.
-    motion: &'static str,
+    /// What moves the motor as the module comes, with PyTrinamic's class for it; `None`: there is none.
+    motion: Option<&'static str>,
 }
 
 impl Client {
@@ -111,8 +111,9 @@ impl Client {
         let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
         let address = first.and_then(|module| module.address).map_or(factory, i64::from);
         let motion = match first.map(|module| module.kind) {
-            Some(ModuleKind::Tmcm1640) => "rotate(1000)",
-            Some(ModuleKind::Tmcm1311) | None => "move_to(51200)",
+            Some(ModuleKind::Tmcm1640) => Some("rotate(1000)"),
+            Some(ModuleKind::Tmcm1311) | None => Some("move_to(51200)"),
+            Some(ModuleKind::Tmcm1076) => None,
         };
         Self { name: spec.name, address, motion }
     }
@@ -120,10 +121,16 @@ impl Client {
     /// What to type to drive the module with PyTrinamic.
     fn advise(&self, interface: &str, port: &str) {
         let class = self.name.replace('-', "");
-        let motion = self.motion;
         let (option, argument) = match self.address {
             1 => (String::new(), String::new()),
             address => (format!(" --module-id {address}"), format!(", {address}")),
+        };
+        let Some(motion) = self.motion else {
+            anstream::eprintln!(
+                "\nPyTrinamic has no class for a {}; pulses move it, not commands\n",
+                self.name
+            );
+            return;
         };
         anstream::eprintln!(
             "\nPyTrinamic (pip install pytrinamic):\n\n    from pytrinamic.connections import ConnectionManager\n    \

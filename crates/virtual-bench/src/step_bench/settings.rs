@@ -10,7 +10,7 @@ use crate::module::Surroundings;
 impl Surroundings for StepBench {
     fn apply(&mut self, setting: Setting) {
         if let Some(setting) = self.stage.apply(setting) {
-            self.connect(setting);
+            self.connect(&setting);
         }
         // What changed may show at once, even if nothing moves.
         self.sense();
@@ -28,8 +28,8 @@ impl Surroundings for StepBench {
 
 impl StepBench {
     /// What is not the stage's.
-    fn connect(&mut self, setting: Setting) {
-        match setting {
+    fn connect(&mut self, setting: &Setting) {
+        match *setting {
             Setting::Input { number, high } => self.inputs = with_level(self.inputs, number, high),
             Setting::StepFrequencyHz(frequency_hz) => self.pulses.set_frequency(frequency_hz),
             Setting::StepAccelerationHzPerS(hz_per_s) => self.pulses.set_acceleration(hz_per_s),

@@ -11,7 +11,7 @@ use crate::module::Surroundings;
 impl Surroundings for StepperBench {
     fn apply(&mut self, setting: Setting) {
         if let Some(setting) = self.stage.apply(setting) {
-            self.connect(setting);
+            self.connect(&setting);
         }
         // What changed may show at once, even if nothing moves; an index that the firmware has not seen yet stays.
         let index_pending = self.sensed.encoder_index;
@@ -30,9 +30,9 @@ impl Surroundings for StepperBench {
 
 impl StepperBench {
     /// What is not the stage's.
-    fn connect(&mut self, setting: Setting) {
+    fn connect(&mut self, setting: &Setting) {
         let state = &mut self.surroundings;
-        match setting {
+        match *setting {
             Setting::Input { number, high } => {
                 state.inputs = with_level(state.inputs, number, high);
             }
