@@ -120,7 +120,8 @@ impl PulseSource {
         let (rate, to_first) = (self.rate(), self.until_edge());
         let count = if rate < to_first { 0 } else { 1 + (rate - to_first) / HALF };
         let count = count.min(self.edges_left());
-        self.edges = Span { count, to_first, rate, rising_first: !self.high };
+        let edges = Span { count, to_first, rate, rising_first: !self.high };
+        self.edges = if count > 0 { edges } else { Span::default() };
         let pulses = (count + u64::from(!self.high)) / 2;
         self.high ^= count % 2 == 1;
         self.phase = self.phase + rate - pulses * PERIOD;

@@ -62,8 +62,8 @@ impl StepDriver {
         while self.read("sensed.step_pulses") - before != f64::from(pulses) {
             self.run_ms(1);
         }
-        // The last pulses are slow, and the interpolated field of the last is as late as the last interval was long.
-        self.run_ms(200);
+        // The interpolated field of the last is as late as the last interval was long, and the rotor swings for a while.
+        self.run_ms(800);
     }
 
     /// Turns at so many pulses a second, after a second in which they are reached.
