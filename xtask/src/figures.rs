@@ -98,7 +98,6 @@ fn parsed(text: &str) -> Result<Vec<Figure>> {
     Ok(list.figure)
 }
 
-/// The command line, built now.
 fn draw(tmcl: &Path, figure: &Figure, to: &Path) -> Result<()> {
     let output = Command::new(tmcl)
         .args(arguments(figure))
