@@ -46,8 +46,12 @@ impl CanLink for Bus {
         self.say(0x700, &[9; 7]);
         self.say(self.host_id, &[1, 2, 3]);
         let reply = Reply { status: Status::Ok, command: request.command, value: request.value + 1 };
+        let memory = CanFrame::new(self.host_id, &self.memory).expect("it fits");
         let data = match request {
-            Request { command: 134, value: 0, .. } => return Ok(self.say(self.host_id, &self.memory.clone())),
+            Request { command: 134, value: 0, .. } => {
+                self.frames.push_back(memory);
+                return Ok(());
+            }
             Request { command: 134, .. } => {
                 encode_reply(self.first, Reply { status: Status::InvalidValue, value: 0, ..reply }, length)
             }
