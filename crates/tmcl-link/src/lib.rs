@@ -12,6 +12,7 @@
 )]
 
 mod address;
+pub mod can;
 mod error;
 mod link;
 mod serial;
