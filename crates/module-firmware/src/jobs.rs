@@ -154,5 +154,6 @@ impl<A: Axis> Firmware<A> {
         ports.iter_mut().for_each(|port| port.restart(self.ticks));
         let (rates, instructions_per_tick) = (self.rates, self.instructions_per_tick);
         *self = Self { ports, rates, instructions_per_tick, ..Self::power_on(storage) };
+        self.start_ports();
     }
 }

@@ -1,5 +1,7 @@
 //! The module's ports: each keeps what came in until it is served, and what is said until it leaves.
 
+use tmcl_tables::{ModuleSpec, Status};
+use tmcl_wire::ascii::{self, CommandLine, Echo, Input, LINE_LENGTH, Typed};
 use tmcl_wire::{Decoder, Listener, Reply, can, serial};
 
 use crate::envelope::{Envelope, Form};
@@ -28,11 +30,27 @@ impl PortId {
     }
 }
 
+/// Whom a port in ASCII mode listens for, and what it echoes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ear {
+    pub(crate) address: u8,
+    /// 0 for none.
+    pub(crate) secondary_address: u8,
+    pub(crate) echo: Echo,
+    /// The tick at which an echo may leave.
+    pub(crate) ready_at: u64,
+}
+
+/// What an erased character looks like on a terminal.
+const ERASED: &[u8] = b"\x08 \x08";
+
 /// One port's state.
 #[derive(Clone, Debug)]
 pub(crate) struct Port {
     pub(crate) line: Line,
     decoder: Decoder,
+    /// The line that is being typed, in ASCII mode.
+    typed: Option<CommandLine>,
     /// What waits until a storage job is done or replies have left.
     inbox: Ring<64>,
     outbox: Ring<128>,
@@ -51,6 +69,7 @@ impl Port {
         Self {
             line: Line::Usb,
             decoder: Decoder::new(),
+            typed: None,
             inbox: Ring::new(),
             outbox: Ring::new(),
             quiet_until: 0,
@@ -116,11 +135,57 @@ impl Port {
         if self.outbox.room() >= 2 * FRAME_LENGTH { take_frame(&mut self.inbox) } else { None }
     }
 
+    /// Whether it takes lines instead of datagrams.
+    pub(crate) fn is_ascii(&self) -> bool {
+        self.typed.is_some()
+    }
+
+    /// From the next byte on it takes lines, or datagrams.
+    pub(crate) fn set_ascii(&mut self, ascii: bool) {
+        self.typed = ascii.then(CommandLine::new);
+        self.decoder.reset();
+    }
+
+    /// The address of the next line for this module in the characters that wait, which are echoed. None while an echo, a
+    /// reply and an event would not fit the outbox.
+    pub(crate) fn next_line(&mut self, ear: &Ear) -> Option<u8> {
+        loop {
+            let byte = self.inbox.peek()?;
+            if self.outbox.room() < self.room_for_echo(byte) {
+                return None;
+            }
+            self.inbox.pop();
+            let line = self.typed.as_mut()?;
+            let was_ours = line.is_for(ear.address);
+            let typed = line.push(byte);
+            let (ours, group) = (line.is_for(ear.address), line.is_for(ear.secondary_address));
+            if was_ours || ours {
+                self.echo(ear, typed, byte);
+            }
+            match typed {
+                Typed::Ended if ours => return Some(ear.address),
+                Typed::Ended if group => return Some(ear.secondary_address),
+                Typed::Ended => self.forget_line(),
+                Typed::Kept | Typed::Erased | Typed::Nothing => {}
+            }
+        }
+    }
+
+    /// What the line that ended asks for, by the tables of the module.
+    pub(crate) fn take_line(&mut self, module: &ModuleSpec) -> Result<Input, Status> {
+        let input = self.typed.as_ref().map(|line| line.input(module));
+        self.forget_line();
+        input.unwrap_or(Err(Status::InvalidCommand))
+    }
+
     /// Queues a reply; false when it does not fit.
     pub(crate) fn reply(&mut self, envelope: Envelope, reply: Reply) -> bool {
         match envelope.form {
             Form::Datagram { host, module } => {
                 self.send(envelope, &serial::encode_reply(host, module, reply))
+            }
+            Form::Text { host, module } => {
+                self.send(envelope, ascii::encode_reply(host, module, reply).as_slice())
             }
             Form::Frame { id, module, length } => {
                 self.send_frame(envelope, id, can::encode_reply(module, reply, length))
@@ -136,6 +201,8 @@ impl Port {
                 self.send(envelope, &serial::encode_version_string(host, characters))
             }
             Form::Frame { id, .. } => self.send_frame(envelope, id, can::encode_version_string(characters)),
+            // No line asks for it.
+            Form::Text { .. } => true,
         }
     }
 
@@ -148,6 +215,8 @@ impl Port {
             Form::Frame { id, length, .. } => {
                 self.send_frame(envelope, id, can::encode_instruction(instruction, length))
             }
+            // No line asks for it.
+            Form::Text { .. } => true,
         }
     }
 
@@ -159,6 +228,7 @@ impl Port {
     /// Forgets what came in, and keeps what is to go out.
     pub(crate) fn forget_input(&mut self) {
         self.decoder.reset();
+        self.forget_line();
         self.inbox.clear();
         self.awaits_position = 0;
     }
@@ -177,7 +247,11 @@ impl Port {
         if self.outbox.room() < bytes.len() {
             return false;
         }
-        self.begin(envelope.ready_at);
+        self.say(envelope.ready_at, bytes)
+    }
+
+    fn say(&mut self, ready_at: u64, bytes: &[u8]) -> bool {
+        self.begin(ready_at);
         bytes.iter().all(|byte| self.outbox.push(*byte))
     }
 
@@ -187,6 +261,34 @@ impl Port {
         }
         self.begin(envelope.ready_at);
         put_frame(&mut self.outbox, id, &data)
+    }
+
+    /// Echoes a character of a line for this module, or the line that it ended (TMCM-1311 §4.4.4). CR stands for every end.
+    fn echo(&mut self, ear: &Ear, typed: Typed, byte: u8) {
+        match (ear.echo, typed) {
+            (Echo::Characters, Typed::Kept) => self.say(ear.ready_at, &[byte]),
+            (Echo::Characters, Typed::Erased) => self.say(ear.ready_at, ERASED),
+            (Echo::Line, Typed::Ended) => {
+                let line = self.typed.clone().unwrap_or_default();
+                self.say(ear.ready_at, line.text()) && self.say(ear.ready_at, &[ascii::END])
+            }
+            (Echo::Characters, Typed::Ended) => self.say(ear.ready_at, &[ascii::END]),
+            (Echo::Line | Echo::Characters | Echo::Off, _) => true,
+        };
+    }
+
+    /// Room that the outbox needs for what a character may lead to.
+    fn room_for_echo(&self, byte: u8) -> usize {
+        match byte {
+            b'\r' | b'\n' => LINE_LENGTH + 1 + 2 * ascii::REPLY_LENGTH,
+            _ => ERASED.len(),
+        }
+    }
+
+    fn forget_line(&mut self) {
+        if let Some(line) = &mut self.typed {
+            line.clear();
+        }
     }
 
     /// What is about to be said waits, unless the port is speaking already.

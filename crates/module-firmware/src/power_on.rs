@@ -34,6 +34,7 @@ impl<A: Axis> Firmware<A> {
             firmware.vm.run_from(0);
         }
         firmware.restart_heartbeat();
+        firmware.start_ports();
         firmware
     }
 
