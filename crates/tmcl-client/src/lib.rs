@@ -1,7 +1,7 @@
 //! The host's side of TMCL: commands, parameters and programs of a module behind a [`Link`](tmcl_link::Link).
 //!
 //! - [`Client::request`] sends one command and finds its reply, through noise, lost bytes and replies to somebody else.
-//! - The typed calls on [`Client`] read and write parameters, move the motor, and switch ports.
+//! - The typed calls on [`Client`] read and write parameters and coordinates, move the motor, and switch ports.
 //! - [`Client::download`] and its neighbours store, read back, run, step and watch stand-alone programs.
 //!
 //! What may be sent again when no reply came, and what must not, is in the tables: a lost reply to "move by 1000" does not
@@ -12,6 +12,7 @@
 mod answer;
 mod client;
 mod control;
+mod coordinates;
 mod describe;
 mod download;
 mod error;
