@@ -162,7 +162,10 @@ fn values(name: &Name) -> &'static [NamedValue] {
 /// What may be written, in words.
 fn allowed(name: &Name, text: &str) -> String {
     let range = match (name.field, name.item.spec()) {
-        (Some(field), _) => format!("0…{}", field.extract(-1)),
+        (Some(field), _) => match field.extract(-1) {
+            1 => "0, 1".to_owned(),
+            most => format!("0…{most}"),
+        },
         (None, Some(spec)) if spec.values.iter().any(|named| named.write != named.value) => String::new(),
         (None, spec) => spec.map_or_else(|| name.item.range(), |spec| spec.write_range).to_string(),
     };

@@ -82,7 +82,8 @@ fn report(progress: Progress) -> Outcome {
     print_written(progress.written.iter())?;
     say_left(&progress.left);
     if progress.stored > 0 {
-        print::note(&format!("{} parameters are stored", progress.stored));
+        let s = if progress.stored == 1 { "" } else { "s" };
+        print::note(&format!("stored {} parameter{s}", progress.stored));
     }
     for item in &progress.unheard {
         print::note(&format!("`{}` was written, and the module does not answer here any more", item.name()));

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
-use tmcl_config::Item;
+use serde_json::{Value, json};
 use tmcl_config::file::Config;
+use tmcl_config::{Difference, Item, items};
 
 use crate::connection::ConnectionOptions;
 use crate::exit::{Code, Failure, Outcome};
@@ -28,61 +28,38 @@ pub(crate) struct Diff {
     pub(crate) connection: ConnectionOptions,
 }
 
-/// What is different. A file need not say everything.
-#[derive(Serialize)]
-struct Row {
-    name: String,
-    number: String,
-    file: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    module: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    other: Option<i64>,
-    #[serde(skip)]
-    cells: [String; 2],
-}
+/// What is different: what the one and the other say. A file need not say anything.
+type Row = (Item, [Option<i64>; 2]);
 
 /// Compares and prints.
 pub(crate) fn run(options: &Diff) -> Outcome {
     let loaded = parameters::load(&options.file)?;
-    let rows: Vec<Row> = match &options.other {
-        Some(other) => {
-            let other = parameters::load(other)?;
-            between(&loaded.config, &other.config)?
-        }
-        None => {
-            let (mut client, module) = options.connection.connect()?;
-            parameters::belongs_to(&loaded, module)?;
-            let differences = parameters::differences(&mut client, &loaded.config)?;
-            let rows = differences.iter().map(|found| row(found.item, Some(found.file), Some(found.module)));
-            rows.collect()
-        }
+    let (sides, rows) = if let Some(other) = &options.other {
+        (["first", "second"], between(&loaded.config, &parameters::load(other)?.config)?)
+    } else {
+        let (mut client, module) = options.connection.connect()?;
+        parameters::belongs_to(&loaded, module)?;
+        let differences = parameters::differences(&mut client, &loaded.config)?;
+        let row = |Difference { item, file, module }| (item, [Some(file), Some(module)]);
+        (["file", "module"], differences.into_iter().map(row).collect())
     };
     if options.json {
-        print::json(&rows)?;
+        print::json(&rows.iter().map(|row| to_json(row, sides)).collect::<Vec<_>>())?;
     } else if !rows.is_empty() {
-        let cells = rows.iter().map(|row| {
-            let [file, module] = row.cells.clone();
-            [row.name.clone(), file, module]
-        });
-        let header =
-            if options.other.is_some() { ["name", "first", "second"] } else { ["name", "file", "module"] };
-        print::text(&parameters::to_text(&parameters::columns(header, usize::MAX, cells)))?;
+        let header = ["name", sides[0], sides[1]];
+        print::text(&parameters::to_text(&parameters::columns(header, usize::MAX, rows.iter().map(cells))))?;
     }
     if rows.is_empty() { Ok(()) } else { Err(Code::Findings.into()) }
 }
 
-fn row(item: Item, file: Option<i64>, module: Option<i64>) -> Row {
-    let cell =
-        |value: Option<i64>| value.map_or_else(|| "-".to_owned(), |value| parameters::spelled(item, value));
-    Row {
-        name: item.name(),
-        number: item.number(),
-        file,
-        module,
-        other: None,
-        cells: [cell(file), cell(module)],
-    }
+fn cells((item, values): &Row) -> [String; 3] {
+    let [one, other] =
+        values.map(|value| value.map_or_else(|| "-".to_owned(), |value| parameters::spelled(*item, value)));
+    [item.name(), one, other]
+}
+
+fn to_json((item, [one, other]): &Row, [left, right]: [&str; 2]) -> Value {
+    json!({ "name": item.name(), "number": item.number(), left: one, right: other })
 }
 
 /// What two files say differently, or only one of them.
@@ -95,11 +72,6 @@ fn between(first: &Config, second: &Config) -> Result<Vec<Row>, Failure> {
     let value = |config: &Config, item: Item| {
         config.entries.iter().find(|entry| entry.item == item).map(|entry| entry.value)
     };
-    let pairs = tmcl_config::items(first.module).map(|item| (item, value(first, item), value(second, item)));
-    let rows = pairs.filter(|(_, first, second)| first != second).map(|(item, first, second)| Row {
-        module: None,
-        other: second,
-        ..row(item, first, second)
-    });
-    Ok(rows.collect())
+    let pairs = items(first.module).map(|item| (item, [value(first, item), value(second, item)]));
+    Ok(pairs.filter(|(_, [first, second])| first != second).collect())
 }

@@ -133,7 +133,8 @@ impl Grid {
         if self.own_time {
             pause(client, self.every)?;
         }
-        while !(self.own_time && !is_live) && !enough.load(Ordering::Relaxed) {
+        let at_a_pace = is_live || !self.own_time;
+        while at_a_pace && !enough.load(Ordering::Relaxed) {
             let left = until.saturating_sub(self.start.elapsed());
             if left.is_zero() {
                 break;
@@ -212,7 +213,7 @@ fn draw(frame: &str, lines: &mut usize) -> io::Result<()> {
     *lines = 0;
     let fitting = height.saturating_sub(1).max(1);
     let skipped = frame.lines().count().saturating_sub(fitting);
-    for line in frame.lines().skip(if skipped > 0 { skipped } else { 0 }) {
+    for line in frame.lines().skip(skipped) {
         writeln!(out, "{}", line.chars().take(width.saturating_sub(1)).collect::<String>())?;
         *lines += 1;
     }
