@@ -339,7 +339,7 @@ fn duration(text: &str) -> Result<u64, String> {
 }
 
 /// A number and its unit.
-fn nanoseconds(text: &str) -> Option<f64> {
+pub(crate) fn nanoseconds(text: &str) -> Option<f64> {
     let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
     let scale = match &text[number.len()..] {
         "us" => 1e3,

@@ -1,0 +1,187 @@
+//! The notation of `--port`.
+
+use std::path::{Path, PathBuf};
+
+use tmcl_link::{Link, LinkAddress};
+use tmcl_tables::GlobalParameter;
+use virtual_bench::config::ModuleConfig;
+use virtual_bench::{Bench, BenchConfig, ModuleId};
+
+use crate::bench_file;
+use crate::exit::{Code, Failure};
+use crate::module_name;
+use crate::virtual_link::VirtualLink;
+
+/// What stands before a module that is to run in this process.
+pub(super) const VIRTUAL: &str = "virtual:";
+
+/// Where a module is.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    text: String,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// Behind something that `tmcl-link` opens.
+    Link(String),
+    /// A serial port whose notation says no rate.
+    Serial(String),
+    /// On a bench in this process.
+    Virtual(Box<Virtual>),
+}
+
+#[derive(Clone, Debug)]
+struct Virtual {
+    config: BenchConfig,
+    module: usize,
+}
+
+/// Whether what follows `virtual:` names a bench file.
+pub(super) fn is_bench(text: &str) -> bool {
+    let (file, _) = split_bench(text);
+    Path::new(file).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+        || file.contains(['/', '\\'])
+}
+
+/// `FILE.toml#NAME`; the file itself may have a `#` in its name.
+fn split_bench(text: &str) -> (&str, Option<&str>) {
+    match text.rsplit_once('#') {
+        Some((file, name)) if !name.contains(['/', '\\', '.']) => (file, Some(name)),
+        _ => (text, None),
+    }
+}
+
+impl Place {
+    /// Understands the notation; a bench file is read at once.
+    pub(super) fn parse(text: &str) -> Result<Self, String> {
+        let kind = match text.strip_prefix(VIRTUAL) {
+            Some(rest) if is_bench(rest) => Kind::Virtual(Box::new(on_bench(rest)?)),
+            Some(rest) => {
+                Kind::Virtual(Box::new(alone(rest).map_err(|error| format!("in the port {text}: {error}"))?))
+            }
+            None => link(text)?,
+        };
+        Ok(Self { text: text.to_owned(), kind })
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub(super) fn is_virtual(&self) -> bool {
+        matches!(self.kind, Kind::Virtual(_))
+    }
+
+    /// Whether `--baud` means something here.
+    pub(super) fn has_baud_rate(&self) -> bool {
+        matches!(self.kind, Kind::Serial(_))
+    }
+
+    /// The address of a virtual module.
+    pub(super) fn address(&self) -> Option<u8> {
+        let Kind::Virtual(place) = &self.kind else { return None };
+        place.config.modules.get(place.module).map(address)
+    }
+
+    /// Opens the link. A rate that the notation says is not said again.
+    pub(super) fn open(&self, rate: Option<u32>) -> Result<Box<dyn Link>, Failure> {
+        match &self.kind {
+            Kind::Virtual(place) => {
+                Ok(Box::new(VirtualLink::new(Bench::new(&place.config), ModuleId(place.module))))
+            }
+            Kind::Link(text) => opened(text),
+            Kind::Serial(path) => {
+                let baud_rate = rate.unwrap_or(tmcl_link::DEFAULT_BAUD_RATE);
+                opened(&LinkAddress::Serial { path: path.clone(), baud_rate }.to_string())
+            }
+        }
+    }
+}
+
+fn opened(text: &str) -> Result<Box<dyn Link>, Failure> {
+    tmcl_link::open(text).map_err(|error| Failure::new(Code::Connection, error.to_string()))
+}
+
+fn link(text: &str) -> Result<Kind, String> {
+    let understood = match text.strip_prefix("tcp://") {
+        Some(rest) => format!("tcp:{rest}"),
+        None => text.to_owned(),
+    };
+    match understood.parse::<LinkAddress>() {
+        Ok(LinkAddress::Serial { path, baud_rate }) if !understood.ends_with(&format!("@{baud_rate}")) => {
+            Ok(Kind::Serial(path))
+        }
+        Ok(_) => Ok(Kind::Link(understood)),
+        Err(error) => Err(format!("{error}; or virtual:tmcm-1311 for a module in this process")),
+    }
+}
+
+fn alone(name: &str) -> Result<Virtual, module_name::NameError> {
+    let module = module_name::setup(name)?;
+    let mut config = BenchConfig::default_for(module.kind);
+    if let Some(first) = config.modules.first_mut() {
+        first.address = module.address;
+    }
+    Ok(Virtual { config, module: 0 })
+}
+
+fn on_bench(text: &str) -> Result<Virtual, String> {
+    let (file, name) = split_bench(text);
+    let config =
+        bench_file::load(None, Some(&PathBuf::from(file))).map_err(|failure| failure.message().to_owned())?;
+    let Some(name) = name else { return Ok(Virtual { config, module: 0 }) };
+    let names: Vec<&str> = config.modules.iter().map(|module| module.name.as_str()).collect();
+    match names.iter().position(|known| *known == name) {
+        Some(module) => Ok(Virtual { config, module }),
+        None => Err(format!("there is no module `{name}` in {file}; there are {}", names.join(", "))),
+    }
+}
+
+/// What it is set to, or else what it comes from the factory with.
+fn address(module: &ModuleConfig) -> u8 {
+    let (bank, number) = GlobalParameter::SerialAddress.address();
+    let factory =
+        module.kind.spec().global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
+    module.address.unwrap_or_else(|| u8::try_from(factory).unwrap_or(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn benches_and_modules_are_told_apart() {
+        for bench in ["lift.toml", "./lift", "../lift.toml#m2", r"C:\lift.TOML", "a#b.toml"] {
+            assert!(is_bench(bench), "{bench}");
+        }
+        for module in ["tmcm-1311", "1311@5", "tmcm-1640#x"] {
+            assert!(!is_bench(module), "{module}");
+        }
+        assert_eq!(split_bench("a#b.toml"), ("a#b.toml", None));
+        assert_eq!(split_bench("a#b.toml#m1"), ("a#b.toml", Some("m1")));
+    }
+
+    #[test]
+    fn a_rate_belongs_to_a_serial_port_that_says_none() {
+        let has_baud_rate = |text: &str| Place::parse(text).expect("it is a place").has_baud_rate();
+        assert!(has_baud_rate("/dev/ttyUSB0"));
+        assert!(has_baud_rate("COM3"));
+        assert!(!has_baud_rate("/dev/ttyUSB0@115200"));
+        assert!(!has_baud_rate("tcp://localhost:5311"));
+        assert!(!has_baud_rate("localhost:5311"));
+        assert!(!has_baud_rate("virtual:tmcm-1311"));
+    }
+
+    #[test]
+    fn what_is_no_place_is_refused() {
+        let error = |text: &str| Place::parse(text).expect_err("it is no place");
+        assert!(error("module").contains("is no address of a module"), "{}", error("module"));
+        assert_eq!(
+            error("virtual:tmcm-1312"),
+            "in the port virtual:tmcm-1312: no such module; there are tmcm-1076, tmcm-1311, tmcm-1640"
+        );
+        assert!(error("virtual:nothing.toml").starts_with("cannot read the bench file nothing.toml: "));
+    }
+}
