@@ -5,6 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
+use crate::commands::application;
+use crate::commands::download::Download;
+use crate::commands::exec::Exec;
+use crate::commands::factory_reset::FactoryReset;
+use crate::commands::info::Info;
+use crate::commands::scan::Scan;
+use crate::commands::shell::Shell;
+use crate::commands::upload::Upload;
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
@@ -42,6 +50,30 @@ pub(crate) enum Command {
     Demo(Demo),
     /// Run a virtual module on TCP ports and pseudo terminals
     Serve(Serve),
+    /// Send commands to a module, and print what it answers
+    Exec(Exec),
+    /// Talk to a module, line by line
+    Shell(Shell),
+    /// Look who is on a bus
+    Scan(Scan),
+    /// Say which module this is, and how it is
+    Info(Info),
+    /// Store a program in a module
+    Download(Download),
+    /// Read a module's program back, as text
+    Upload(Upload),
+    /// Start the program that a module stores
+    Start(application::Start),
+    /// Stop the program; the motor moves on
+    Stop(application::Options),
+    /// Execute the program's next instruction
+    Step(application::Options),
+    /// Stop the program and set it back to its beginning
+    Reset(application::Options),
+    /// Say what the program does
+    Status(application::Options),
+    /// Set a module back to what it was when it came
+    FactoryReset(FactoryReset),
     /// List the modules
     Modules(Modules),
     /// List a module's axis and global parameters

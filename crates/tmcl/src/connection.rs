@@ -53,11 +53,6 @@ pub(crate) struct ConnectionOptions {
 pub(crate) type AnyClient = Client<Box<dyn Link>>;
 
 impl ConnectionOptions {
-    /// Opens the link. Nothing is sent yet.
-    pub(crate) fn open(&self) -> Result<AnyClient, Failure> {
-        self.resolve()?.open()
-    }
-
     /// Opens the link and asks which module is there.
     pub(crate) fn connect(&self) -> Result<(AnyClient, &'static ModuleSpec), Failure> {
         self.resolve()?.connect()

@@ -15,6 +15,9 @@ use crate::virtual_link::VirtualLink;
 /// What stands before a module that is to run in this process.
 pub(super) const VIRTUAL: &str = "virtual:";
 
+/// How long a virtual module has been switched on when it is talked to: its first measurements are done.
+const POWER_ON_NS: u64 = 10_000_000;
+
 /// Where a module is.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
@@ -89,7 +92,9 @@ impl Place {
     pub(super) fn open(&self, rate: Option<u32>) -> Result<Box<dyn Link>, Failure> {
         match &self.kind {
             Kind::Virtual(place) => {
-                Ok(Box::new(VirtualLink::new(Bench::new(&place.config), ModuleId(place.module))))
+                let mut bench = Bench::new(&place.config);
+                bench.advance_by(POWER_ON_NS);
+                Ok(Box::new(VirtualLink::new(bench, ModuleId(place.module))))
             }
             Kind::Link(text) => opened(text),
             Kind::Serial(path) => {
