@@ -19,7 +19,7 @@ use crate::program::symbols::SymbolFile;
 )]
 pub(crate) struct Start {
     /// The address to start at
-    #[arg(id = "start", value_name = "ADDRESS")]
+    #[arg(id = "start", value_name = "ADDRESS", value_parser = address)]
     address: Option<u16>,
     #[command(flatten)]
     options: Options,
@@ -36,6 +36,10 @@ pub(crate) struct Options {
     json: bool,
     #[command(flatten)]
     connection: ConnectionOptions,
+}
+
+fn address(text: &str) -> Result<u16, String> {
+    text.parse().map_err(|_| "an address in the program memory is expected, a number from 0 on".to_owned())
 }
 
 /// Starts it.
