@@ -118,7 +118,7 @@ def test_a_shell_reads_from_a_pipe(at: tuple[str, str]) -> None:
     done = tmcl("shell", *at, text=text, code=TMCL_STATUS)
     lines = done.stdout.splitlines()
     assert [line.split("  ")[0] for line in lines] == ["SAP 4, 0, 1000", "GAP 4, 0", "GAP 29, 0", "GAP 4, 0"]
-    assert "01 06 04 00 00 00 00 00 0B  100 OK" in lines[1] and "1000 pps" in lines[1]
+    assert "01 06 04 00 00 00 00 00 0b  100 OK" in lines[1] and "1000 pps" in lines[1]
     assert "axis parameter 29" in done.stderr
 
 

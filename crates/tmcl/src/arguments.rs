@@ -10,6 +10,7 @@ use crate::commands::download::Download;
 use crate::commands::exec::Exec;
 use crate::commands::factory_reset::FactoryReset;
 use crate::commands::info::Info;
+use crate::commands::ports::Ports;
 use crate::commands::scan::Scan;
 use crate::commands::shell::Shell;
 use crate::commands::upload::Upload;
@@ -54,6 +55,8 @@ pub(crate) enum Command {
     Exec(Exec),
     /// Talk to a module, line by line
     Shell(Shell),
+    /// List the ports that a module may be behind
+    Ports(Ports),
     /// Look who is on a bus
     Scan(Scan),
     /// Say which module this is, and how it is

@@ -130,10 +130,20 @@ impl Connection {
             Some(path) if file.port.is_some() => Origin::File(path),
             _ => Origin::Default,
         };
-        let asked_address = command_line.address;
+        let (asked_address, asked_baud) = (command_line.address, command_line.baud.clone());
         let all = command_line.over(environment).over(file);
         let place = Place::parse(all.port.as_deref().unwrap_or(DEFAULT_PORT))
             .map_err(|message| Failure::new(Code::Usage, format!("{message}{}", origin.or_nothing())))?;
+        let rate = place.baud_rate();
+        if let (Some(rate), Some(asked)) =
+            (rate, asked_baud.filter(|asked| Some(asked.rates()) != rate.map(|it| vec![it])))
+        {
+            let port = place.text();
+            let message = format!(
+                "the port {port} says {rate} bits per second, and --baud {asked}; leave one of them out"
+            );
+            return Err(Failure::new(Code::Usage, message));
+        }
         let settings = Settings::default();
         let settings = Settings {
             // What the notation says of a virtual module is more than what a file says of modules in general.
@@ -170,7 +180,7 @@ impl Connection {
 
     /// The rates to try at a serial port; none where the port has none.
     pub(crate) fn baud_rates(&self) -> Vec<u32> {
-        if self.place.has_baud_rate() {
+        if self.place.wants_baud_rate() {
             self.baud.as_ref().map(BaudRates::rates).unwrap_or_default()
         } else {
             Vec::new()
@@ -187,18 +197,20 @@ impl Connection {
                 return Err(Failure::new(Code::Usage, format!("in --baud: {message}")));
             }
         };
-        Ok(Client::with_settings(self.open_link(rate)?, self.settings))
+        self.open_at(rate)
     }
 
     /// Opens the link at a rate.
-    pub(crate) fn open_link(&self, rate: Option<u32>) -> Result<Box<dyn Link>, Failure> {
-        self.place.open(rate).map_err(|failure| failure.and_says(&self.origin.to_string()))
+    pub(crate) fn open_at(&self, rate: Option<u32>) -> Result<AnyClient, Failure> {
+        let link = self.place.open(rate, self.settings);
+        let link = link.map_err(|failure| failure.and_says(&self.origin.to_string()))?;
+        Ok(Client::with_settings(link, self.settings))
     }
 
     /// Opens the link and asks which module is there.
     pub(crate) fn connect(&self) -> Result<(AnyClient, &'static ModuleSpec), Failure> {
         let mut client = self.open()?;
-        let version = client.firmware_version().map_err(|error| failure(&error))?;
+        let version = client.firmware_version().map_err(|error| told(&client, &error))?;
         let spec = version.module_spec().ok_or_else(|| {
             Failure::new(Code::Connection, format!("there are no tables for what answers here: {version}"))
         })?;
@@ -210,6 +222,15 @@ impl Origin {
     /// As [`fmt::Display`], where the port was somebody's choice.
     fn or_nothing(&self) -> String {
         if *self == Self::Default { String::new() } else { self.to_string() }
+    }
+}
+
+/// As [`failure`], with what went over the line.
+pub(crate) fn told(client: &AnyClient, error: &ClientError) -> Failure {
+    let failure = failure(error);
+    match (error, client.last_exchange()) {
+        (ClientError::Link(_), _) | (_, None) => failure,
+        (_, Some(exchange)) => failure.and_says(&format!("\n{exchange}")),
     }
 }
 

@@ -39,6 +39,7 @@ fn main() -> ExitCode {
         Command::Demo(options) => commands::demo::run(&options),
         Command::Exec(options) => commands::exec::run(&options),
         Command::Shell(options) => commands::shell::run(&options),
+        Command::Ports(options) => commands::ports::run(&options),
         Command::Scan(options) => commands::scan::run(&options),
         Command::Info(options) => commands::info::run(&options),
         Command::Download(options) => commands::download::run(&options),

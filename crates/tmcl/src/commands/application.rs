@@ -7,7 +7,7 @@ use serde::Serialize;
 use tmcl_client::{ClientError, ProgramStatus};
 use tmcl_tables::ModuleSpec;
 
-use crate::connection::{AnyClient, ConnectionOptions, failure};
+use crate::connection::{AnyClient, ConnectionOptions, told};
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 use crate::program::symbols::SymbolFile;
@@ -72,8 +72,8 @@ fn command(options: &Options, send: impl Fn(&mut AnyClient) -> Result<(), Client
     let symbols = options.symbols.as_deref().map(SymbolFile::read).transpose()?;
     let (mut client, module) = options.connection.connect()?;
     needs_program_memory(module)?;
-    send(&mut client).map_err(|error| failure(&error))?;
-    let status = client.program_status().map_err(|error| failure(&error))?;
+    send(&mut client).map_err(|error| told(&client, &error))?;
+    let status = client.program_status().map_err(|error| told(&client, &error))?;
     let state = State::of(status, symbols.as_ref());
     if options.json {
         return Ok(print::json(&state)?);

@@ -11,7 +11,7 @@ use tmcl_wire::Request;
 
 use super::application::needs_program_memory;
 use super::asm::counted;
-use crate::connection::{AnyClient, ConnectionOptions, failure};
+use crate::connection::{AnyClient, ConnectionOptions, told};
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 use crate::program::lints::LintOptions;
@@ -56,7 +56,7 @@ pub(crate) fn run(options: &Download) -> Outcome {
     let (mut client, module) = options.connection.connect()?;
     needs_program_memory(module)?;
     let program = program(options, module)?;
-    client.stop_program().map_err(|error| failure(&error))?;
+    client.stop_program().map_err(|error| told(&client, &error))?;
     let bar = print::progress(program.len(), "instructions stored");
     let downloaded = client.download(&program, &mut |count| bar.set_position(count as u64));
     bar.finish_and_clear();
@@ -68,7 +68,7 @@ pub(crate) fn run(options: &Download) -> Outcome {
         verified.map_err(|error| differs(&mut client, &error))?;
     }
     if options.run {
-        client.reset_program().and_then(|()| client.run(None)).map_err(|error| failure(&error))?;
+        client.reset_program().and_then(|()| client.run(None)).map_err(|error| told(&client, &error))?;
     }
     let report = Report {
         module: module.id,
@@ -149,7 +149,7 @@ fn differs(client: &mut AnyClient, error: &ClientError) -> Failure {
     match error {
         ClientError::Differs { expected, found, .. } => {
             let text = |bytes: &[u8; 7]| Described(Request::from_bytes(*bytes)).to_string();
-            failure(error).and_says(&format!(" ({} and {})", text(expected), text(found)))
+            crate::connection::failure(error).and_says(&format!(" ({} and {})", text(expected), text(found)))
         }
         error => explained(client, error),
     }
@@ -157,7 +157,7 @@ fn differs(client: &mut AnyClient, error: &ClientError) -> Failure {
 
 /// A refusal that may come of the protection of the program.
 pub(crate) fn explained(client: &mut AnyClient, error: &ClientError) -> Failure {
-    let refused = failure(error);
+    let refused = told(client, error);
     if !is_not_available(error) {
         return refused;
     }

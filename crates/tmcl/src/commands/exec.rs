@@ -4,7 +4,7 @@ use std::io::BufRead;
 
 use clap::Args;
 
-use crate::connection::{ConnectionOptions, failure};
+use crate::connection::{ConnectionOptions, told};
 use crate::direct::{self, Answer, Entered, Exchange, Language, Prepared, Spoken};
 use crate::exit::{Code, Ending, Failure, Outcome};
 use crate::print;
@@ -33,20 +33,19 @@ pub(crate) fn run(options: &Exec) -> Outcome {
     let lines = lines(&options.commands)?;
     let (mut client, module) = options.connection.connect()?;
     let commands = understood(&lines, Language::of(module))?;
-    let address = client.settings().module_address;
     let mut exchanges = Vec::new();
     let mut ending = Ok(());
     for Prepared { request, doubts } in commands {
         let answer = match direct::send(&mut client, request) {
             Ok(answer) => answer,
             Err(error) => {
-                ending = Err(failure(&error).into());
+                ending = Err(told(&client, &error).into());
                 break;
             }
         };
-        exchanges.push(Exchange::new(address, request, &answer, module));
+        exchanges.push(Exchange::new(&client, request, &answer, module));
         if let Answer::Refused(status) = answer {
-            let message = direct::refusal(address, request, status, module);
+            let message = direct::refusal(&client, request, status, module);
             let reason = if doubts.is_empty() { String::new() } else { format!("\n\n{}", doubts.trim_end()) };
             ending = Err(Ending::Failure(Failure::new(Code::TmclStatus, message + &reason)));
             break;

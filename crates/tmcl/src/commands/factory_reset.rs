@@ -9,7 +9,7 @@ use tmcl_link::Link;
 use tmcl_tables::{Command, GlobalParameter, ModuleSpec};
 use tmcl_wire::Request;
 
-use crate::connection::{AnyClient, ConnectionOptions, failure};
+use crate::connection::{AnyClient, ConnectionOptions, told};
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 
@@ -46,7 +46,9 @@ pub(crate) fn run(options: &FactoryReset) -> Outcome {
     if !options.yes && !confirmed(module, address)? {
         return Err(Failure::new(Code::Usage, "nothing was done").into());
     }
-    client.send(Request::new(Command::FactoryReset, 0, 0, CONFIRMATION)).map_err(|error| failure(&error))?;
+    client
+        .send(Request::new(Command::FactoryReset, 0, 0, CONFIRMATION))
+        .map_err(|error| told(&client, &error))?;
     let (settings, version) = back(client)?;
     let at = settings.module_address;
     let moved = if at == address { String::new() } else { format!(", now at address {at}") };
@@ -60,7 +62,7 @@ fn unlocked(client: &mut AnyClient, module: &ModuleSpec) -> Result<(), Failure> 
     if module.global_parameter(bank, number).is_none() {
         return Ok(());
     }
-    match client.get_global_parameter(bank, number).map_err(|error| failure(&error))? {
+    match client.get_global_parameter(bank, number).map_err(|error| told(client, &error))? {
         0 => Ok(()),
         lock => {
             let message = format!(

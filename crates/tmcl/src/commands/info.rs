@@ -6,7 +6,7 @@ use tmcl_client::ClientError;
 use tmcl_tables::{Command, GlobalParameter, ModuleSpec};
 use tmcl_wire::Request;
 
-use crate::connection::{AnyClient, ConnectionOptions, failure};
+use crate::connection::{AnyClient, ConnectionOptions, told};
 use crate::direct::{self, Answer, Exchange};
 use crate::exit::Outcome;
 use crate::names::{self, Place};
@@ -81,7 +81,7 @@ struct Parameter {
 pub(crate) fn run(options: &Info) -> Outcome {
     let connection = options.connection.resolve()?;
     let (mut client, module) = connection.connect()?;
-    let report = report(&mut client, module, connection.port()).map_err(|error| failure(&error))?;
+    let report = report(&mut client, module, connection.port()).map_err(|error| told(&client, &error))?;
     if options.json {
         return Ok(print::json(&report)?);
     }
@@ -150,7 +150,7 @@ fn parameter(
         Place::Global(bank, number) => Request::new(Command::GetGlobalParameter, number, bank, 0),
     };
     let answer = direct::send(client, request)?;
-    let exchange = Exchange::new(client.settings().module_address, request, &answer, module);
+    let exchange = Exchange::new(client, request, &answer, module);
     let shown = match answer {
         Answer::Refused(_) => format!("refused, status {}", exchange.status_text()),
         _ => exchange.value_text(),

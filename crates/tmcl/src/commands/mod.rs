@@ -17,6 +17,7 @@ pub(crate) mod info;
 pub(crate) mod man;
 pub(crate) mod modules;
 pub(crate) mod params;
+pub(crate) mod ports;
 pub(crate) mod run;
 pub(crate) mod scan;
 pub(crate) mod serve;

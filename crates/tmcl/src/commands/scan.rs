@@ -4,11 +4,10 @@ use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
-use tmcl_client::{Client, ClientError, FirmwareVersion, Heard, Settings};
-use tmcl_link::Link;
+use tmcl_client::{ClientError, FirmwareVersion, Heard, Presence};
 
 use super::asm::counted;
-use crate::connection::{Connection, ConnectionOptions, failure};
+use crate::connection::{AnyClient, Connection, ConnectionOptions, failure};
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 
@@ -62,12 +61,12 @@ pub(crate) fn run(options: &Scan) -> Outcome {
     let bar = print::progress(rates.len() * addresses.len(), "addresses asked");
     let mut found = Vec::new();
     for rate in rates {
-        let mut link = connection.open_link(rate)?;
+        let mut client = connection.open_at(rate)?;
         for address in addresses {
-            let settings = Settings { module_address: *address, ..settings(&connection, rate) };
-            let version = asked(&mut link, settings).map_err(|error| failure(&error))?;
+            let answer =
+                asked(&mut client, *address, timeout(&connection, rate)).map_err(|error| failure(&error))?;
             found.extend(
-                version.map(|(version, host_address)| Found::of(version, *address, host_address, rate)),
+                answer.map(|(version, host_address)| Found::of(version, *address, host_address, rate)),
             );
             bar.inc(1);
         }
@@ -97,34 +96,50 @@ fn print(found: &[Found], json: bool) -> std::io::Result<()> {
 }
 
 impl Found {
-    fn of(version: FirmwareVersion, address: u8, host_address: u8, baud: Option<u32>) -> Self {
-        let module =
-            version.module_spec().map_or_else(|| version.module.to_string(), |spec| spec.name.to_owned());
-        let firmware = format!("V{}.{:02}", version.major, version.minor);
+    fn of(version: Option<FirmwareVersion>, address: u8, host_address: u8, baud: Option<u32>) -> Self {
+        let name = |version: FirmwareVersion| {
+            version.module_spec().map_or_else(|| version.module.to_string(), |spec| spec.name.to_owned())
+        };
+        let module = version.map_or_else(|| "does not say".to_owned(), name);
+        let firmware = version.map_or_else(String::new, |it| format!("V{}.{:02}", it.major, it.minor));
         Self { address, module, firmware, host_address, baud }
     }
 }
 
-fn settings(connection: &Connection, rate: Option<u32>) -> Settings {
+fn timeout(connection: &Connection, rate: Option<u32>) -> Duration {
+    if connection.timeout_is_given() {
+        return connection.settings().timeout;
+    }
     let line = rate.map_or(Duration::ZERO, |rate| Duration::from_secs(1) * BITS / rate.max(1));
-    let timeout = if connection.timeout_is_given() { connection.settings().timeout } else { line + PATIENCE };
-    Settings { timeout, retries: 0, ..connection.settings() }
+    line + PATIENCE
 }
 
-/// Asks one address, once; a module may reply to another host than us, and is asked again as that.
-fn asked(link: &mut Box<dyn Link>, settings: Settings) -> Result<Option<(FirmwareVersion, u8)>, ClientError> {
-    match Client::with_settings(&mut *link, settings).firmware_version() {
-        Ok(version) => Ok(Some((version, settings.host_address))),
-        Err(ClientError::NoReply { heard: Heard::Other { host, module }, .. })
-            if module == settings.module_address && host != settings.host_address =>
-        {
-            let settings = Settings { host_address: host, ..settings };
-            let version = Client::with_settings(link, settings).firmware_version().ok();
-            Ok(version.map(|version| (version, host)))
+/// Asks one address; a module may reply to another host than us, and is asked again as that.
+fn asked(
+    client: &mut AnyClient,
+    address: u8,
+    timeout: Duration,
+) -> Result<Option<(Option<FirmwareVersion>, u8)>, ClientError> {
+    let host = client.settings().host_address;
+    let presence = match client.probe(address, timeout)? {
+        Presence::Unclear(Heard::Other { host: other, module }) if module == address && other != host => {
+            client.settings_mut().host_address = other;
+            let presence = client.probe(address, timeout);
+            client.settings_mut().host_address = host;
+            return Ok(Some((version(presence?), other)));
         }
-        Err(error @ ClientError::Link(_)) => Err(error),
-        // Another answer than the right one is no module that we know how to talk to.
-        Err(_) => Ok(None),
+        presence => presence,
+    };
+    Ok(match presence {
+        Presence::Module(_) | Presence::Silent(_) => Some((version(presence), host)),
+        Presence::Nobody | Presence::Unclear(_) => None,
+    })
+}
+
+fn version(presence: Presence) -> Option<FirmwareVersion> {
+    match presence {
+        Presence::Module(version) => Some(version),
+        Presence::Silent(_) | Presence::Nobody | Presence::Unclear(_) => None,
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use tmcl_link::{Link, LinkAddress};
+use tmcl_client::{Client, OpenOptions, Settings};
+use tmcl_link::{AddressError, Link, LinkAddress, Speeds};
 use tmcl_tables::GlobalParameter;
 use virtual_bench::config::ModuleConfig;
 use virtual_bench::{Bench, BenchConfig, ModuleId};
@@ -27,10 +28,8 @@ pub(super) struct Place {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    /// Behind something that `tmcl-link` opens.
-    Link(String),
-    /// A serial port whose notation says no rate.
-    Serial(String),
+    /// Behind something that the client opens.
+    Link(LinkAddress),
     /// On a bench in this process.
     Virtual(Box<Virtual>),
 }
@@ -64,7 +63,7 @@ impl Place {
             Some(rest) => {
                 Kind::Virtual(Box::new(alone(rest).map_err(|error| format!("in the port {text}: {error}"))?))
             }
-            None => link(text)?,
+            None => Kind::Link(text.parse().map_err(in_words)?),
         };
         Ok(Self { text: text.to_owned(), kind })
     }
@@ -77,9 +76,20 @@ impl Place {
         matches!(self.kind, Kind::Virtual(_))
     }
 
-    /// Whether `--baud` means something here.
-    pub(super) fn has_baud_rate(&self) -> bool {
-        matches!(self.kind, Kind::Serial(_))
+    /// Whether `--baud` means something here, and the notation does not say it already.
+    pub(super) fn wants_baud_rate(&self) -> bool {
+        matches!(
+            self.kind,
+            Kind::Link(LinkAddress::Serial { baud_rate: None, .. } | LinkAddress::Slcan { .. })
+        )
+    }
+
+    /// The rate that the notation says.
+    pub(super) fn baud_rate(&self) -> Option<u32> {
+        match self.kind {
+            Kind::Link(LinkAddress::Serial { baud_rate, .. }) => baud_rate,
+            _ => None,
+        }
     }
 
     /// The address of a virtual module.
@@ -89,37 +99,28 @@ impl Place {
     }
 
     /// Opens the link. A rate that the notation says is not said again.
-    pub(super) fn open(&self, rate: Option<u32>) -> Result<Box<dyn Link>, Failure> {
+    pub(super) fn open(&self, rate: Option<u32>, settings: Settings) -> Result<Box<dyn Link>, Failure> {
         match &self.kind {
             Kind::Virtual(place) => {
                 let mut bench = Bench::new(&place.config);
                 bench.advance_by(POWER_ON_NS);
                 Ok(Box::new(VirtualLink::new(bench, ModuleId(place.module))))
             }
-            Kind::Link(text) => opened(text),
-            Kind::Serial(path) => {
-                let baud_rate = rate.unwrap_or(tmcl_link::DEFAULT_BAUD_RATE);
-                opened(&LinkAddress::Serial { path: path.clone(), baud_rate }.to_string())
+            Kind::Link(address) => {
+                let speeds = Speeds { baud_rate: rate, can_bit_rate: None };
+                let options = OpenOptions { settings, speeds, ..OpenOptions::default() };
+                tmcl_client::open(&address.to_string(), options)
+                    .map(Client::into_link)
+                    .map_err(|error| Failure::new(Code::Connection, error.to_string()))
             }
         }
     }
 }
 
-fn opened(text: &str) -> Result<Box<dyn Link>, Failure> {
-    tmcl_link::open(text).map_err(|error| Failure::new(Code::Connection, error.to_string()))
-}
-
-fn link(text: &str) -> Result<Kind, String> {
-    let understood = match text.strip_prefix("tcp://") {
-        Some(rest) => format!("tcp:{rest}"),
-        None => text.to_owned(),
-    };
-    match understood.parse::<LinkAddress>() {
-        Ok(LinkAddress::Serial { path, baud_rate }) if !understood.ends_with(&format!("@{baud_rate}")) => {
-            Ok(Kind::Serial(path))
-        }
-        Ok(_) => Ok(Kind::Link(understood)),
-        Err(error) => Err(format!("{error}; or virtual:tmcm-1311 for a module in this process")),
+fn in_words(error: AddressError) -> String {
+    match error {
+        AddressError::Form(_) => format!("{error}, or virtual:tmcm-1311 for a module in this process"),
+        error => error.to_string(),
     }
 }
 
@@ -170,13 +171,15 @@ mod tests {
 
     #[test]
     fn a_rate_belongs_to_a_serial_port_that_says_none() {
-        let has_baud_rate = |text: &str| Place::parse(text).expect("it is a place").has_baud_rate();
-        assert!(has_baud_rate("/dev/ttyUSB0"));
-        assert!(has_baud_rate("COM3"));
-        assert!(!has_baud_rate("/dev/ttyUSB0@115200"));
-        assert!(!has_baud_rate("tcp://localhost:5311"));
-        assert!(!has_baud_rate("localhost:5311"));
-        assert!(!has_baud_rate("virtual:tmcm-1311"));
+        let wants_baud_rate = |text: &str| Place::parse(text).expect("it is a place").wants_baud_rate();
+        assert!(wants_baud_rate("/dev/ttyUSB0"));
+        assert!(wants_baud_rate("COM3"));
+        assert!(!wants_baud_rate("/dev/ttyUSB0@115200"));
+        assert!(wants_baud_rate("slcan:///dev/ttyACM0@500000"), "the adapter's port has one too");
+        assert!(!wants_baud_rate("can://can0"));
+        assert!(!wants_baud_rate("tcp://localhost:5311"));
+        assert!(!wants_baud_rate("localhost:5311"));
+        assert!(!wants_baud_rate("virtual:tmcm-1311"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What the settings take, wherever they are written.
 
+use std::fmt;
 use std::time::Duration;
 
 use tmcl_tables::tmcm_1311;
@@ -9,6 +10,13 @@ use crate::arguments;
 /// The rates to talk at: one, or several to look for a module at.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BaudRates(Vec<u32>);
+
+impl fmt::Display for BaudRates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rates: Vec<String> = self.0.iter().map(u32::to_string).collect();
+        f.write_str(&rates.join(","))
+    }
+}
 
 impl BaudRates {
     /// Each of them.

@@ -4,7 +4,6 @@ use serde::Serialize;
 use tmcl_client::{ClientError, Described};
 use tmcl_tables::{Command, ModuleSpec, STATUSES, Status};
 use tmcl_wire::Request;
-use tmcl_wire::serial::encode_request;
 
 use super::Meaning;
 use crate::connection::AnyClient;
@@ -55,6 +54,8 @@ pub(crate) struct Exchange {
     pub(crate) command: String,
     /// The bytes that were sent.
     pub(crate) sent: String,
+    /// The bytes of the reply; none where there is none.
+    pub(crate) received: Option<String>,
     /// The number of the status; none where no reply, or one of another form, is the answer.
     pub(crate) status: Option<u8>,
     pub(crate) status_name: &'static str,
@@ -70,12 +71,21 @@ pub(crate) struct Exchange {
 }
 
 impl Exchange {
-    pub(crate) fn new(address: u8, request: Request, answer: &Answer, module: &'static ModuleSpec) -> Self {
-        let sent = hexadecimal(&encode_request(address, request));
+    /// Of the request that was sent last.
+    pub(crate) fn new(
+        client: &AnyClient,
+        request: Request,
+        answer: &Answer,
+        module: &'static ModuleSpec,
+    ) -> Self {
+        let line = client.last_exchange();
+        let sent = line.map_or_else(String::new, |line| hexadecimal(&line.sent));
+        let received = line.and_then(tmcl_client::Exchange::reply).map(|reply| hexadecimal(&reply));
         let command = Described(request).to_string();
         let plain = |status: Option<Status>, shown: String, meaning: &str| Self {
             command: command.clone(),
             sent: sent.clone(),
+            received: received.clone(),
             status: status.map(Status::number),
             status_name: status.map_or("", status_name),
             value: None,
@@ -132,7 +142,7 @@ pub(crate) fn status_name(status: Status) -> &'static str {
     STATUSES.iter().find(|spec| spec.status == status).map_or("", |spec| spec.name)
 }
 
-/// `01 06 01`.
+/// `01 06 0a`.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02X}")).collect::<Vec<_>>().join(" ")
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
 }

@@ -3,21 +3,29 @@
 use tmcl_client::Described;
 use tmcl_tables::{Command, CommandSpec, ModuleSpec, MotorField, STATUSES, Status, TypeField, ValueField};
 use tmcl_wire::Request;
-use tmcl_wire::serial::encode_request;
 
-use super::exchange::hexadecimal;
 use super::meaning;
+use crate::connection::AnyClient;
 
 /// What was sent, what came back, what that means, and which operand it is about.
-pub(crate) fn refusal(address: u8, request: Request, status: Status, module: &'static ModuleSpec) -> String {
+pub(crate) fn refusal(
+    client: &AnyClient,
+    request: Request,
+    status: Status,
+    module: &'static ModuleSpec,
+) -> String {
+    let line = client.last_exchange().map_or_else(String::new, |exchange| format!("\n{exchange}"));
+    explanation(request, status, module) + &line
+}
+
+fn explanation(request: Request, status: Status, module: &'static ModuleSpec) -> String {
     let spec = STATUSES.iter().find(|spec| spec.status == status);
     let (name, summary) = spec.map_or(("", ""), |spec| (spec.name, spec.summary));
-    let sent = hexadecimal(&encode_request(address, request));
     let about =
         Command::try_from(request.command).ok().and_then(|it| operand(request, it.spec(), status, module));
     let about = about.map_or_else(String::new, |about| format!("; {about}"));
     format!(
-        "the module refused {} ({sent}) with status {}, {name}: {}{about}",
+        "the module refused {} with status {}, {name}: {}{about}",
         Described(request),
         status.number(),
         lower_case(summary),
@@ -108,7 +116,7 @@ mod tests {
             (Request::new(FactoryReset, 0, 0, 1), Status::InvalidValue),
             (Request { command: 200, ..Request::default() }, Status::InvalidCommand),
         ];
-        let messages = refused.map(|(request, status)| refusal(1, request, status, &tmcm_1311::SPEC));
+        let messages = refused.map(|(request, status)| explanation(request, status, &tmcm_1311::SPEC));
         insta::assert_snapshot!(messages.join("\n"));
     }
 }

@@ -8,7 +8,7 @@ use tmcl_tables::{Access, Command, CommandSpec, ModuleSpec, ParameterSpec};
 use tmcl_wire::Request;
 
 use super::line::{self, Line, WORDS};
-use crate::connection::{AnyClient, failure};
+use crate::connection::{AnyClient, told};
 use crate::direct::{self, Answer, Entered, Exchange, Language, Spoken};
 use crate::exit::Code;
 use crate::names::{self, Place};
@@ -110,15 +110,14 @@ impl Session {
 
     /// Sends a command and prints a line about it.
     fn exchange(&mut self, request: Request, doubts: &str) -> Step {
-        let address = self.client.settings().module_address;
         let answer = match direct::send(&mut self.client, request) {
             Ok(answer) => answer,
-            Err(error) => return Ok(failed(&error)),
+            Err(error) => return Ok(failed(&self.client, &error)),
         };
-        let exchange = Exchange::new(address, request, &answer, self.module);
+        let exchange = Exchange::new(&self.client, request, &answer, self.module);
         print::text(&format!("{}\n", line_of(&exchange)))?;
         let Answer::Refused(status) = answer else { return Ok(Flow::On) };
-        print::error(&direct::refusal(address, request, status, self.module));
+        print::error(&direct::refusal(&self.client, request, status, self.module));
         anstream::eprint!("{doubts}");
         Ok(Flow::Failed(Code::TmclStatus))
     }
@@ -150,8 +149,8 @@ fn wrong(message: &str) -> Flow {
     Flow::Failed(Code::Usage)
 }
 
-fn failed(error: &ClientError) -> Flow {
-    let failure = failure(error);
+fn failed(client: &AnyClient, error: &ClientError) -> Flow {
+    let failure = told(client, error);
     print::error(failure.message());
     Flow::Failed(failure.code())
 }
