@@ -26,7 +26,8 @@ use crate::program::lints::LintOptions;
 )]
 #[command(
     after_help = "Exit codes: 0 ok, 1 findings or failed expectation, 2 usage, 3 connection, 4 TMCL error status, \
-    42 timeout."
+    42 timeout.\n\nThe options of a connection are looked up in the environment (TMCL_PORT, TMCL_BAUD, TMCL_ADDRESS, \
+    TMCL_HOST_ADDRESS, TMCL_TIMEOUT, TMCL_RETRIES) and in tmcl.toml where the command line does not give them: docs/host-tools.md."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]

@@ -26,7 +26,7 @@ const DEFAULT_PORT: &str = "tcp://127.0.0.1:5311";
 
 /// Where the module is, and how patiently to talk to it; what nobody says is `None`.
 #[derive(Args, Clone, Debug, Default, PartialEq, Eq)]
-#[command(next_help_heading = "Connection (docs/host-tools.md)")]
+#[command(next_help_heading = "Connection")]
 pub(crate) struct ConnectionOptions {
     /// Where the module is: /dev/ttyACM0, COM3, tcp://127.0.0.1:5311, slcan:///dev/ttyACM0, can://can0; virtual:tmcm-1311,
     /// virtual:tmcm-1311@ADDRESS or virtual:BENCH.toml for one in this process [default: tcp://127.0.0.1:5311]
