@@ -6,6 +6,15 @@ use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
 use crate::commands::{apply, diff, dump, get, restore, set, store, watch};
+use crate::commands::application;
+use crate::commands::download::Download;
+use crate::commands::exec::Exec;
+use crate::commands::factory_reset::FactoryReset;
+use crate::commands::info::Info;
+use crate::commands::ports::Ports;
+use crate::commands::scan::Scan;
+use crate::commands::shell::Shell;
+use crate::commands::upload::Upload;
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
@@ -18,7 +27,8 @@ use crate::program::lints::LintOptions;
 )]
 #[command(
     after_help = "Exit codes: 0 ok, 1 findings or failed expectation, 2 usage, 3 connection, 4 TMCL error status, \
-    42 timeout."
+    42 timeout.\n\nThe options of a connection are looked up in the environment (TMCL_PORT, TMCL_BAUD, TMCL_ADDRESS, \
+    TMCL_HOST_ADDRESS, TMCL_TIMEOUT, TMCL_RETRIES) and in tmcl.toml where the command line does not give them: docs/host-tools.md."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -43,6 +53,32 @@ pub(crate) enum Command {
     Demo(Demo),
     /// Run virtual modules on TCP ports, pseudo terminals and CAN
     Serve(Serve),
+    /// Send commands to a module, and print what it answers
+    Exec(Exec),
+    /// Talk to a module, line by line
+    Shell(Shell),
+    /// List the ports that a module may be behind
+    Ports(Ports),
+    /// Look who is on a bus
+    Scan(Scan),
+    /// Say which module this is, and how it is
+    Info(Info),
+    /// Store a program in a module
+    Download(Download),
+    /// Read a module's program back, as text
+    Upload(Upload),
+    /// Start the program that a module stores
+    Start(application::Start),
+    /// Stop the program; the motor moves on
+    Stop(application::Options),
+    /// Execute the program's next instruction
+    Step(application::Options),
+    /// Stop the program and set it back to its beginning
+    Reset(application::Options),
+    /// Say what the program does
+    Status(application::Options),
+    /// Set a module back to what it was when it came
+    FactoryReset(FactoryReset),
     /// List the modules
     Modules(Modules),
     /// List a module's axis and global parameters
@@ -385,7 +421,7 @@ pub(crate) fn duration(text: &str) -> Result<u64, String> {
 }
 
 /// A number and its unit.
-fn nanoseconds(text: &str) -> Option<f64> {
+pub(crate) fn nanoseconds(text: &str) -> Option<f64> {
     let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
     let scale = match &text[number.len()..] {
         "us" => 1e3,
