@@ -98,9 +98,10 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 7] = [
+const FUZZ_TARGETS: [&str; 8] = [
     "serial_decoder",
     "firmware_bytes",
+    "ascii",
     "program",
     "bench_file",
     "expectation",
