@@ -104,6 +104,7 @@ const FUZZ_TARGETS: [&str; 8] = [
     "ascii",
     "program",
     "bench_file",
+    "config_file",
     "expectation",
     "client_replies",
     "assembler",
