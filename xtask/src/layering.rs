@@ -20,6 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
     ("tmcl-link", &[]),
     ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
+    ("tmcl-config", &["tmcl-tables"]),
     ("tmcl-server", &["virtual-bench"]),
     (
         "tmcl",
@@ -29,6 +30,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "tmcl-lang",
             "tmcl-link",
             "tmcl-client",
+            "tmcl-config",
             "tmcl-server",
             "virtual-bench",
         ],

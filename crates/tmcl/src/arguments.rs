@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
-use crate::commands::application;
 use crate::commands::download::Download;
 use crate::commands::exec::Exec;
 use crate::commands::factory_reset::FactoryReset;
@@ -14,6 +13,7 @@ use crate::commands::ports::Ports;
 use crate::commands::scan::Scan;
 use crate::commands::shell::Shell;
 use crate::commands::upload::Upload;
+use crate::commands::{application, apply, diff, dump, get, restore, set, store, watch};
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
@@ -84,6 +84,22 @@ pub(crate) enum Command {
     Params(Params),
     /// List a module's commands
     Commands(Commands),
+    /// Read parameters of a module
+    Get(get::Get),
+    /// Write parameters of a module
+    Set(set::Set),
+    /// Store parameters in the module's EEPROM as they are
+    Store(store::Store),
+    /// Bring parameters back to what the module's EEPROM holds
+    Restore(restore::Restore),
+    /// Watch parameters of a module
+    Watch(watch::Watch),
+    /// Print the configuration of a module as a text
+    Dump(dump::Dump),
+    /// Compare a configuration file with a module, or with another file
+    Diff(diff::Diff),
+    /// Bring a configuration file into a module
+    Apply(apply::Apply),
     /// Print a shell's completion script
     Completions {
         /// The shell
@@ -359,7 +375,7 @@ fn rpm(text: &str) -> Result<f64, String> {
 }
 
 /// A time between samples in nanoseconds: at least a control period.
-fn interval(text: &str) -> Result<u64, String> {
+pub(crate) fn interval(text: &str) -> Result<u64, String> {
     const EXPECTED: &str = "a time from 50us to 1h is expected, such as 500us, 1ms or 0.5s";
     nanoseconds(text)
         .filter(|time_ns| (50_000.0..=3.6e12).contains(time_ns))
@@ -367,7 +383,7 @@ fn interval(text: &str) -> Result<u64, String> {
 }
 
 /// Virtual time is cheap: a program that mostly waits runs for a year in a minute.
-fn duration(text: &str) -> Result<u64, String> {
+pub(crate) fn duration(text: &str) -> Result<u64, String> {
     const EXPECTED: &str = "a time from 50us to 100000h is expected, such as 500ms, 10s, 5min or 1h";
     nanoseconds(text)
         .filter(|time_ns| (50_000.0..=3.6e17).contains(time_ns))

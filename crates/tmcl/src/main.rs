@@ -14,8 +14,8 @@ mod connection;
 mod direct;
 mod exit;
 mod module_name;
-mod names;
 mod panel;
+mod parameters;
 mod plot;
 mod print;
 mod program;
@@ -54,6 +54,14 @@ fn main() -> ExitCode {
         Command::Modules(options) => commands::modules::run(&options),
         Command::Params(options) => commands::params::run(&options),
         Command::Commands(options) => commands::commands::run(&options),
+        Command::Get(options) => commands::get::run(&options),
+        Command::Set(options) => commands::set::run(&options),
+        Command::Store(options) => commands::store::run(&options),
+        Command::Restore(options) => commands::restore::run(&options),
+        Command::Watch(options) => commands::watch::run(&options),
+        Command::Dump(options) => commands::dump::run(&options),
+        Command::Diff(options) => commands::diff::run(&options),
+        Command::Apply(options) => commands::apply::run(&options),
         Command::Completions { shell } => commands::completions::run(shell),
         Command::Man { out } => commands::man::run(out.as_deref()),
     };
