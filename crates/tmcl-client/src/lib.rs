@@ -38,7 +38,7 @@ pub use control::{ProgramMode, ProgramStatus};
 pub use describe::Described;
 pub use error::{ClientError, Heard};
 pub use exchange::Exchange;
-pub use open::{OpenOptions, open};
+pub use open::{OpenOptions, open, open_link};
 pub use probe::Presence;
 pub use version::FirmwareVersion;
 

@@ -15,16 +15,22 @@ pub struct OpenOptions {
     pub can: CanIds,
 }
 
-/// A client for the module at `address`, over whatever leads there. Nothing is sent to the module yet.
+/// A way to the module at `address`, whatever it is, for bytes as a client speaks them. Nothing is sent to the module yet.
 ///
 /// # Errors
 /// [`LinkError`] when the text is no address, or nothing can be opened there.
-pub fn open(address: &str, options: OpenOptions) -> Result<Client<Box<dyn Link>>, LinkError> {
-    let OpenOptions { settings, speeds, can } = options;
+pub fn open_link(address: &str, options: OpenOptions) -> Result<Box<dyn Link>, LinkError> {
     let address: LinkAddress = address.parse()?;
-    let link = match tmcl_link::open_with(address, speeds)? {
+    Ok(match tmcl_link::open_with(address, options.speeds)? {
         Carrier::Bytes(link) => link,
-        Carrier::Frames(bus) => Box::new(CanStream::new(bus, can, settings.host_address)?),
-    };
-    Ok(Client::with_settings(link, settings))
+        Carrier::Frames(bus) => Box::new(CanStream::new(bus, options.can, options.settings.host_address)?),
+    })
+}
+
+/// A client for the module at `address`, over whatever leads there. Nothing is sent to the module yet.
+///
+/// # Errors
+/// As [`open_link`].
+pub fn open(address: &str, options: OpenOptions) -> Result<Client<Box<dyn Link>>, LinkError> {
+    Ok(Client::with_settings(open_link(address, options)?, options.settings))
 }

@@ -21,12 +21,21 @@ pub struct Faults {
     pub delay: f64,
     /// The longest such delay; it is anything from 0 to this.
     pub longest_delay: Duration,
+    /// So many bytes at least arrive as they are, late or not, between two that do not: a sum sees one fault, and not always
+    /// two.
+    pub gap: u64,
 }
 
 impl Faults {
     /// A good line.
-    pub const NONE: Self =
-        Self { loss: 0.0, duplication: 0.0, corruption: 0.0, delay: 0.0, longest_delay: Duration::ZERO };
+    pub const NONE: Self = Self {
+        loss: 0.0,
+        duplication: 0.0,
+        corruption: 0.0,
+        delay: 0.0,
+        longest_delay: Duration::ZERO,
+        gap: 0,
+    };
 
     /// All kinds with the same probability.
     #[must_use]
@@ -37,6 +46,7 @@ impl Faults {
             corruption: probability,
             delay: probability,
             longest_delay,
+            gap: 0,
         }
     }
 }
@@ -81,6 +91,8 @@ pub struct FaultyLink<L> {
     out: Faults,
     incoming: Faults,
     counts: [Counts; 2],
+    /// How many bytes may not be lost, doubled or spoiled before the next that may.
+    good: [u64; 2],
     held: VecDeque<Held>,
 }
 
@@ -89,7 +101,8 @@ impl<L: Link> FaultyLink<L> {
     #[must_use]
     pub fn new(link: L, seed: u64, faults: Faults) -> Self {
         let counts = [Counts::default(); 2];
-        Self { link, random: Random(seed), out: faults, incoming: faults, counts, held: VecDeque::new() }
+        let (good, held) = ([0; 2], VecDeque::new());
+        Self { link, random: Random(seed), out: faults, incoming: faults, counts, good, held }
     }
 
     /// Other faults from now on, one way.
@@ -124,21 +137,27 @@ impl<L: Link> FaultyLink<L> {
             counts.delayed += 1;
             after = faults.longest_delay.mul_f64(self.random.fraction());
         }
-        if self.random.happens(faults.loss) {
+        let good = &mut self.good[direction as usize];
+        if *good > 0 {
+            *good -= 1;
+            return (after, [Some(byte), None]);
+        }
+        let before = *counts;
+        let copies = if self.random.happens(faults.loss) {
             counts.lost += 1;
-            return (after, [None, None]);
+            [None, None]
+        } else {
+            let is_corrupted = self.random.happens(faults.corruption);
+            counts.corrupted += u64::from(is_corrupted);
+            let arrives = if is_corrupted { byte ^ (1 << (self.random.next() % 8)) } else { byte };
+            let is_duplicated = self.random.happens(faults.duplication);
+            counts.duplicated += u64::from(is_duplicated);
+            [Some(arrives), is_duplicated.then_some(arrives)]
+        };
+        if *counts != before {
+            *good = faults.gap;
         }
-        let mut byte = byte;
-        if self.random.happens(faults.corruption) {
-            counts.corrupted += 1;
-            byte ^= 1 << (self.random.next() % 8);
-        }
-        let mut twice = None;
-        if self.random.happens(faults.duplication) {
-            counts.duplicated += 1;
-            twice = Some(byte);
-        }
-        (after, [Some(byte), twice])
+        (after, copies)
     }
 
     fn hold(&mut self, bytes: &[u8]) {
@@ -353,6 +372,10 @@ mod tests {
         let found = echoed(&mut line(1, Faults::NONE, spoiled), &bytes);
         assert_eq!(found.len(), bytes.len());
         assert!(found.iter().zip(&bytes).all(|(found, byte)| (found ^ byte).count_ones() == 1));
+        let seldom = Faults { gap: 9, ..spoiled };
+        let found = echoed(&mut line(1, seldom, Faults::NONE), &bytes);
+        let wrong: Vec<_> = (0..found.len()).filter(|index| found[*index] != bytes[*index]).collect();
+        assert_eq!(wrong, (0..256).step_by(10).collect::<Vec<_>>());
     }
 
     #[test]

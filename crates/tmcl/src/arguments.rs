@@ -50,7 +50,7 @@ pub(crate) enum Command {
     Disasm(Disasm),
     /// Move a virtual motor and show what happens
     Demo(Demo),
-    /// Run a virtual module on TCP ports and pseudo terminals
+    /// Run virtual modules on TCP ports, pseudo terminals and CAN
     Serve(Serve),
     /// Send commands to a module, and print what it answers
     Exec(Exec),
@@ -277,14 +277,15 @@ pub(crate) struct Recording {
 /// `tmcl serve`.
 #[derive(Args)]
 #[command(
-    after_help = "Without --tcp and --pty it listens at 127.0.0.1:5311. A module has four ports: each pseudo terminal \
-    holds one, each TCP client holds one while it stays. SIGINT and SIGTERM end it."
+    after_help = "Without --tcp, --pty, --slcan and --can it listens at 127.0.0.1:5311. Several modules share one bus \
+    (docs/buses.md): RS485 by --tcp and --pty, CAN by --slcan and --can. A module has four ports: each pseudo terminal and \
+    CAN bus holds one, each TCP client holds one while it stays. SIGINT and SIGTERM end it."
 )]
 pub(crate) struct Serve {
-    /// The module, and its serial address where it is not to be 1; may be left out with --bench
+    /// The modules, each with its address where it is not to be 1; may be left out with --bench
     #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup, required_unless_present = "bench")]
-    pub(crate) module: Option<module_name::VirtualModule>,
-    /// The bench the module stands on (docs/bench-file.md); of several modules the first is at the ports
+    pub(crate) modules: Vec<module_name::VirtualModule>,
+    /// The bench the modules stand on (docs/bench-file.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) bench: Option<PathBuf>,
     /// Listen here; port 0 picks a free one, no host means 127.0.0.1; may be given several times
@@ -293,6 +294,15 @@ pub(crate) struct Serve {
     /// Open a pseudo terminal and link PATH to it; may be given several times
     #[arg(long, value_name = "PATH")]
     pub(crate) pty: Vec<PathBuf>,
+    /// Open a pseudo terminal that is a serial CAN adapter (slcan), and link PATH to it; may be given several times
+    #[arg(long, value_name = "PATH")]
+    pub(crate) slcan: Vec<PathBuf>,
+    /// Take part in a CAN bus of this system (SocketCAN), such as can0; may be given several times
+    #[arg(long, value_name = "INTERFACE")]
+    pub(crate) can: Vec<String>,
+    /// Let bytes take their time on RS485 at so many bits a second; auto: at what the program at a --pty has set
+    #[arg(long, value_name = "BITS/S", value_parser = baud)]
+    pub(crate) baud: Option<Baud>,
     /// How fast virtual time runs, 1 being real time
     #[arg(long, value_name = "FACTOR", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub(crate) speed: f64,
@@ -356,6 +366,25 @@ fn tcp_address(text: &str) -> Result<String, String> {
     match port.parse::<u16>() {
         Ok(port) => Ok(format!("{host}:{port}")),
         Err(_) => Err("a host and a port from 0 to 65535 are expected, such as 127.0.0.1:5311".to_owned()),
+    }
+}
+
+/// The rate of an RS485 line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Baud {
+    /// What the program at the other end of a pseudo terminal has set.
+    Auto,
+    /// So many bits a second.
+    Fixed(u32),
+}
+
+fn baud(text: &str) -> Result<Baud, String> {
+    if text == "auto" {
+        return Ok(Baud::Auto);
+    }
+    match text.parse() {
+        Ok(baud @ 50..=10_000_000) => Ok(Baud::Fixed(baud)),
+        _ => Err("auto or a rate from 50 to 10000000 is expected, such as 9600 or 115200".to_owned()),
     }
 }
 
