@@ -108,13 +108,14 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 7] = [
+const FUZZ_TARGETS: [&str; 8] = [
     "serial_decoder",
     "firmware_bytes",
     "program",
     "bench_file",
     "expectation",
     "client_replies",
+    "slcan",
     "assembler",
 ];
 
