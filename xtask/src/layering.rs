@@ -17,10 +17,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-vm", &["tmcl-tables", "tmcl-wire"]),
     ("tmcl-lang", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
-    ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
+    ("virtual-bench", &["tmcl-tables", "tmcl-wire", "module-firmware", "driver-chips", "motor-physics"]),
     ("tmcl-link", &[]),
     ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
-    ("tmcl-server", &["virtual-bench"]),
+    ("tmcl-config", &["tmcl-tables"]),
+    ("tmcl-server", &["virtual-bench", "tmcl-link"]),
     (
         "tmcl",
         &[
@@ -29,6 +30,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "tmcl-lang",
             "tmcl-link",
             "tmcl-client",
+            "tmcl-config",
             "tmcl-server",
             "virtual-bench",
         ],

@@ -11,19 +11,24 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod application;
+mod ascii;
 mod axis;
 mod coordinates;
 mod dispatch;
 mod download;
+mod envelope;
 mod events;
 mod firmware;
 mod globals;
+mod heartbeat;
 mod jobs;
+mod line;
 mod machine;
 mod port;
 mod power_on;
 mod program_memory;
 mod ring;
+mod service;
 mod storage;
 pub mod tmcm_1311;
 pub mod tmcm_1640;
@@ -33,6 +38,7 @@ pub use application::{Halted, Refusal};
 pub use axis::{Axis, Motion, Refused};
 pub use events::Events;
 pub use firmware::Firmware;
+pub use line::Line;
 pub use port::{PORTS, PortId};
 pub use program_memory::{ERASED, Instruction, ProgramMemory, Programs};
 pub use storage::{RecordKey, Storage, StorageError};

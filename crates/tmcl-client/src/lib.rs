@@ -4,7 +4,7 @@
 //!   [`Client::last_exchange`] shows what went over the line.
 //! - [`open`] finds a way to a module by its address; over a CAN bus, [`CanStream`] carries what a client says in frames.
 //! - [`Client::probe`] asks who is at an address of a bus.
-//! - The typed calls on [`Client`] read and write parameters, move the motor, and switch ports.
+//! - The typed calls on [`Client`] read and write parameters and coordinates, move the motor, and switch ports.
 //! - [`Client::download`] and its neighbours store, read back, run, step and watch stand-alone programs.
 //!
 //! What may be sent again when no reply came, and what must not, is in the tables: a lost reply to "move by 1000" does not
@@ -16,6 +16,7 @@ mod answer;
 mod can;
 mod client;
 mod control;
+mod coordinates;
 mod describe;
 mod download;
 mod error;

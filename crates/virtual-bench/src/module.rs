@@ -1,6 +1,7 @@
 //! One virtual module: firmware, hardware and EEPROM.
 
-use module_firmware::{Axis, Firmware, PortId, Vm};
+use module_firmware::{Axis, Firmware, Line, PORTS, PortId, Vm};
+use tmcl_wire::can::Frame;
 
 use crate::TICK_NS;
 use crate::config::{Power, Setting};
@@ -20,6 +21,18 @@ pub(crate) trait VirtualModule {
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize;
     /// Appends what leaves a port to `out`.
     fn transmit(&mut self, port: PortId, out: &mut Vec<u8>);
+    /// The next byte that leaves a port.
+    fn transmit_byte(&mut self, port: PortId) -> Option<u8>;
+    /// A frame arrives at a port on CAN. What there is no room for is lost.
+    fn receive_frame(&mut self, port: PortId, frame: &Frame);
+    /// The next frame that leaves a port on CAN.
+    fn transmit_frame(&mut self, port: PortId) -> Option<Frame>;
+    /// What a port is connected to, from now on.
+    fn set_line(&mut self, port: PortId, line: Line);
+    /// Bits a second on RS485.
+    fn baud_rate(&self) -> u32;
+    /// Bits a second on CAN.
+    fn can_bit_rate(&self) -> u32;
     /// Whether bytes wait to leave a port.
     fn has_output(&self, port: PortId) -> bool;
     /// The client at a port went away.
@@ -70,6 +83,7 @@ pub(crate) struct Module<A: Axis, H> {
     eeprom: Eeprom,
     powered: bool,
     silence_ticks: Option<u64>,
+    lines: [Line; PORTS],
     instructions_per_tick: u16,
     refusals: Refusals,
     time_ns: u64,
@@ -90,6 +104,7 @@ where
             eeprom,
             powered: true,
             silence_ticks: None,
+            lines: [Line::Usb; PORTS],
             instructions_per_tick,
             refusals,
             time_ns: 0,
@@ -103,6 +118,9 @@ where
         self.firmware.set_instructions_per_tick(self.instructions_per_tick);
         if let Some(ticks) = self.silence_ticks {
             self.firmware.set_silence(ticks);
+        }
+        for (port, line) in PortId::ALL.into_iter().zip(self.lines) {
+            self.firmware.set_line(port, line);
         }
     }
 
@@ -173,6 +191,44 @@ where
                 break;
             }
         }
+    }
+
+    fn transmit_byte(&mut self, port: PortId) -> Option<u8> {
+        let byte = self.firmware.transmit(port)?;
+        // Room in the outbox lets the next request in the inbox go ahead.
+        self.firmware.background(&mut self.eeprom);
+        self.work();
+        Some(byte)
+    }
+
+    fn receive_frame(&mut self, port: PortId, frame: &Frame) {
+        if self.powered {
+            // A frame that there is no room for is lost.
+            let _ = self.firmware.receive_frame(port, frame);
+            self.work();
+        }
+    }
+
+    fn transmit_frame(&mut self, port: PortId) -> Option<Frame> {
+        let frame = self.firmware.transmit_frame(port)?;
+        self.firmware.background(&mut self.eeprom);
+        self.work();
+        Some(frame)
+    }
+
+    fn set_line(&mut self, port: PortId, line: Line) {
+        if let Some(known) = self.lines.get_mut(port.index()) {
+            *known = line;
+        }
+        self.firmware.set_line(port, line);
+    }
+
+    fn baud_rate(&self) -> u32 {
+        self.firmware.baud_rate()
+    }
+
+    fn can_bit_rate(&self) -> u32 {
+        self.firmware.can_bit_rate()
     }
 
     fn has_output(&self, port: PortId) -> bool {

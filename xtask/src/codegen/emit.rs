@@ -291,7 +291,13 @@ fn parameter(entry: &Parameter) -> String {
         .values
         .iter()
         .map(|named| {
-            format!("NamedValue {{ value: {}, id: {:?}, name: {:?} }}", named.value, named.id, named.name)
+            format!(
+                "NamedValue {{ value: {}, write: {}, id: {:?}, name: {:?} }}",
+                named.value,
+                named.write.unwrap_or(named.value),
+                named.id,
+                named.name
+            )
         })
         .collect();
     let fields: Vec<_> = entry
@@ -307,7 +313,7 @@ fn parameter(entry: &Parameter) -> String {
     format!(
         "ParameterSpec {{ number: {}, name: {:?}, id: {:?}, summary: {:?}, unit: {:?}, closed_loop_unit: {:?}, \
          range: {}, range_from: {}, write_range: {}, default: {}, default_from: {}, \
-         access: Access {{ read: {}, write: {}, store: {} }}, unsigned: {}, values: &[{}], fields: &[{}], \
+         access: Access {{ read: {}, write: {}, store: {} }}, role: Role::{:?}, unsigned: {}, values: &[{}], fields: &[{}], \
          starts_motion: {}, repeat_safe: {}, section: {:?}, beyond_manual: {:?}, note: {:?} }}",
         entry.number,
         entry.name,
@@ -323,6 +329,7 @@ fn parameter(entry: &Parameter) -> String {
         entry.access.contains('R'),
         entry.access.contains('W'),
         entry.access.contains('E'),
+        entry.role(),
         entry.unsigned,
         values.join(", "),
         fields.join(", "),

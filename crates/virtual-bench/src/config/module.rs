@@ -31,7 +31,8 @@ pub struct ModuleConfig {
     pub kind: ModuleKind,
     /// What the bench calls it: letters, digits, `_` and `-`, a letter first; different from every other.
     pub name: String,
-    /// Its serial address; beats what the EEPROM says, and is beaten by the command line. `None`: the EEPROM's.
+    /// Its address: the serial one (GP 66) and, where it has CAN, its CAN identifier (GP 71). Beats what the EEPROM says, and
+    /// is beaten by the command line. `None`: the EEPROM's.
     pub address: Option<u8>,
     /// Instructions of a stand-alone program that a control period of 50 µs executes, 1 to 1000 (decision: 1).
     pub instructions_per_tick: u16,
@@ -77,6 +78,11 @@ impl ModuleConfig {
     }
 }
 
+/// What a module without a name is called, by its place.
+pub(super) fn default_name(index: usize) -> String {
+    format!("m{}", index + 1)
+}
+
 /// What the file says for all modules.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Common {
@@ -93,7 +99,7 @@ pub(super) fn read_all(
     let mut modules: Vec<ModuleConfig> = Vec::new();
     for (index, Table { table, span }) in tables.into_iter().enumerate() {
         let section = Section::new(table, "[[module]]", span.clone(), errors);
-        let (module, name_span) = read(section, &format!("m{}", index + 1), common);
+        let (module, name_span) = read(section, &default_name(index), common);
         if modules.iter().any(|other| other.name == module.name) {
             let message = format!("two modules are called \"{}\"", module.name);
             errors.push(

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
 pub(crate) mod bldc;
+pub(crate) mod bus;
 pub(crate) mod closed_loop;
 pub(crate) mod motion;
 pub(crate) mod program;
