@@ -40,11 +40,11 @@ fn main() -> ExitCode {
     soak.run_until(span);
     let after = memory::resident_kib();
     println!("{}", soak.report());
-    match (before, after) {
-        (Some(before), Some(after)) => {
-            println!("resident memory: {before} KiB after a hundredth of it, {after} KiB at the end")
+    match before.zip(after) {
+        Some((before, after)) => {
+            println!("resident memory: {before} KiB after a hundredth of it, {after} KiB at the end");
         }
-        _ => println!("resident memory: this system does not tell"),
+        None => println!("resident memory: this system does not tell"),
     }
     println!("took {:.1} s", start.elapsed().as_secs_f64());
     ExitCode::SUCCESS

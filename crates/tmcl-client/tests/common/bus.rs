@@ -1,4 +1,5 @@
 //! An RS485 bus in this process, with the modules of a bench on it. Waiting lets virtual time pass.
+#![allow(clippy::disallowed_types, reason = "a link and those who look on share the bench")]
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
