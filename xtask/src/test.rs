@@ -107,6 +107,7 @@ const FUZZ_TARGETS: [&str; 8] = [
     "config_file",
     "expectation",
     "client_replies",
+    "slcan",
     "assembler",
 ];
 
