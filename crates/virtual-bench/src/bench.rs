@@ -11,7 +11,7 @@ use tmcl_tables::ModuleSpec;
 use crate::TICK_NS;
 use crate::bldc_bench::BldcBench;
 use crate::bus::Bus;
-use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire};
+use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire, WireEnd};
 use crate::eeprom::Eeprom;
 use crate::hardware::Physical;
 use crate::kind::ModuleKind;
@@ -237,13 +237,17 @@ impl Bench {
     fn carry_signals(&mut self) -> bool {
         let mut changed = false;
         for index in 0..self.wires.len() {
-            let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
+            let Some(&Wire { from_module, output, to_module, to }) = self.wires.get(index) else { break };
             let from = self.module(ModuleId(from_module));
             let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
-            if let Some(module) = self.module_mut(ModuleId(to_module))
-                && high != (module.port(INPUTS, input) != 0)
-            {
-                module.apply(Setting::Input { number: input, high });
+            let Some(driven) = self.module(ModuleId(to_module)) else { continue };
+            let (level, setting) = match to {
+                WireEnd::Input(number) => (driven.port(INPUTS, number) != 0, Setting::Input { number, high }),
+                WireEnd::Step => (driven.pulse_levels().step, Setting::StepLevel(high)),
+                WireEnd::Dir => (driven.pulse_levels().dir, Setting::DirLevel(high)),
+            };
+            if high != level {
+                self.apply(ModuleId(to_module), setting);
                 changed = true;
             }
         }

@@ -4,6 +4,7 @@
 //! In each control period the chip takes the edges on STEP that fall into it, with their times, and turns them into voltages
 //! across the coils, which are held for the period while the motor's equations are integrated in one step.
 
+mod lines;
 mod settings;
 
 use driver_chips::tmc5160::{
@@ -17,6 +18,7 @@ use crate::config::ModuleConfig;
 use crate::hardware::{Hardware, Physical};
 use crate::pulse_source::PulseSource;
 use crate::stepper_stage::StepperStage;
+use lines::Lines;
 
 /// The TMCM-1076's power stage: the current scale n makes n/31 of 3 A RMS (TMCM-1076 §4, §5.2).
 const BOARD: Board = Board { full_scale_rms_a: 3.0, lowest_scale: 0.0 };
@@ -37,6 +39,9 @@ pub(crate) struct StepBench {
     chip: Tmc5160,
     stage: StepperStage,
     pulses: PulseSource,
+    lines: Lines,
+    /// The edges of the last control period.
+    edges: Vec<Edges>,
     /// CHOP and ENABLE as bits 0 and 1.
     inputs: u8,
     sensed: Sensed,
@@ -49,6 +54,8 @@ impl StepBench {
             chip: Tmc5160::new(BOARD),
             stage: StepperStage::new(config),
             pulses: PulseSource::connected(&config.step_dir),
+            lines: Lines::playing(&config.step_dir.edges),
+            edges: Vec::new(),
             inputs: levels(&config.inputs),
             sensed: Sensed::default(),
         };
@@ -84,14 +91,16 @@ impl Hardware for StepBench {
         // The rest is not looked at while the motor moves: it cannot rest before that does.
         let before = (!self.stage.moved).then_some((self.chip, self.stage.supply, self.sensed));
         self.pulses.advance();
-        let edges = self.pulses.edges(PERIOD_CLOCKS);
+        self.edges.clear();
+        self.edges.extend(Some(self.pulses.edges(PERIOD_CLOCKS)).filter(|edges| edges.count > 0));
+        self.lines.take(self.stage.time_ns, &mut self.edges);
         let pins = self.stage.pins();
-        let inputs = Inputs { pins: &pins, enabled: drive.enabled, edges: &[edges] };
+        let inputs = Inputs { pins: &pins, enabled: drive.enabled, edges: &self.edges };
         let terminals = self.chip.advance(&registers(drive), inputs, PERIOD_S);
         self.stage.advance(terminals, until_ns);
         self.sense();
         // Edges are events: the next period has others, even if as many.
-        let pulsed = edges != Edges { count: 0, ..edges };
+        let pulsed = !self.edges.is_empty();
         self.stage.moved || pulsed || before != Some((self.chip, self.stage.supply, self.sensed))
     }
 
@@ -104,7 +113,7 @@ impl Hardware for StepBench {
         let time_ns = self.stage.time_ns;
         let Some(change_ns) = self.stage.next_change_ns() else { return time_ns + TICK_NS };
         let edge_ns = self.pulses.periods_to_edge().saturating_mul(TICK_NS).saturating_add(time_ns);
-        edge_ns.min(change_ns)
+        edge_ns.min(change_ns).min(self.lines.next_change_ns())
     }
 
     fn physical(&self) -> Physical {

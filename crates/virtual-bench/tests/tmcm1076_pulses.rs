@@ -131,3 +131,56 @@ fn without_power_nothing_flows_and_nobody_counts() {
     assert_turns(&module, 0.0);
     assert!((module.rms_a() - 0.29).abs() < 0.005);
 }
+
+#[test]
+fn a_recording_is_played_edge_by_edge() {
+    // Twenty pulses of 1 ms to the right, each 37 µs long, then eight to the left.
+    let edge = |pulse: u32, step: u32, dir: u32| {
+        let us = 1000 * pulse + 123 + if step == 1 { 0 } else { 37 };
+        format!("[{}e-6, {step}, {dir}]", us)
+    };
+    let edges: Vec<_> =
+        (0..28).flat_map(|pulse| [1, 0].map(|step| edge(pulse, step, u32::from(pulse >= 20)))).collect();
+    let mut module = StepDriver::with(&format!("[module.step_dir]\nedges = [{}]\n", edges.join(", ")));
+    module.sap(Ap::StandbyCurrent, 24);
+    module.run_ms(15);
+    assert_eq!(module.gap(Ap::Tstep), 12_000 / 16);
+    module.run_ms(1000);
+    assert_eq!(module.read("sensed.step_pulses"), 12.0);
+    assert_turns(&module, 12.0 / 3200.0);
+    // With double edges the same recording is worth twice as much.
+    let mut module = StepDriver::with(&format!("[module.step_dir]\nedges = [{}]\n", edges.join(", ")));
+    module.sap(Ap::StandbyCurrent, 24);
+    module.sap(Ap::DoubleEdgeSteps, 1);
+    module.run_ms(1000);
+    assert_turns(&module, 24.0 / 3200.0);
+}
+
+#[test]
+fn another_modules_outputs_can_pulse_it() {
+    use tmcl_tables::Command;
+    use virtual_bench::ModuleId;
+
+    let mut module = StepDriver::with(
+        "[[module]]\nkind = \"tmcm-1311\"\n[[wire]]\nfrom = \"m2.output.0\"\nto = \"m1.step\"\n\
+         [[wire]]\nfrom = \"m2.output.1\"\nto = \"m1.dir\"\n",
+    );
+    module.sap(Ap::StandbyCurrent, 24);
+    let port = module.port;
+    let output = |module: &mut StepDriver, number: u8, level: i32| {
+        let request = tmcl_wire::Request::new(Command::SetOutput, number, 2, level);
+        let reply = module.bench.exchange(ModuleId(1), port, &tmcl_wire::serial::encode_request(1, request));
+        assert_eq!(reply.get(2), Some(&100));
+        module.run_ms(2);
+    };
+    for (dir, pulses) in [(0, 100), (1, 68)] {
+        output(&mut module, 1, dir);
+        for _ in 0..pulses {
+            output(&mut module, 0, 1);
+            output(&mut module, 0, 0);
+        }
+    }
+    module.run_ms(1000);
+    assert_eq!(module.read("m1.sensed.step_pulses"), 32.0);
+    assert_turns(&module, 0.01);
+}

@@ -10,6 +10,7 @@ use super::quantity::{self, Quantity};
 use super::setting::{Power, Setting};
 use super::step_dir::{ENABLE_HELP, PULSES};
 use super::suggest;
+use super::wire::WireEnd;
 use crate::ModuleKind;
 use crate::kind::MotorFamily;
 
@@ -245,7 +246,7 @@ fn input(
             known.iter().filter(|names| !names.is_empty()).map(String::as_str).collect::<Vec<_>>().join(", ");
         SettingError::name(format!("{} has no {name} to set", module.name), format!("allowed here: {known}"))
     })?;
-    if bench.wires.iter().any(|wire| wire.to_module == index && wire.input == number) {
+    if bench.wires.iter().any(|wire| wire.to_module == index && wire.to == WireEnd::Input(number)) {
         let message = format!("{name} of {} is driven by a wire", module.name);
         return Err(SettingError::name(message, "set what drives the wire, or leave the [[wire]] out"));
     }

@@ -63,6 +63,10 @@ pub enum Setting {
     StepPulses(Option<u32>),
     /// Whether the ENABLE input of the step/direction connector is active.
     StepEnable(bool),
+    /// Level of STEP, where a wire drives it.
+    StepLevel(bool),
+    /// Level of DIR, where a wire drives it.
+    DirLevel(bool),
     /// The module's power.
     Power(Power),
 }

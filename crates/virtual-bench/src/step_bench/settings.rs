@@ -5,6 +5,7 @@ use driver_chips::tmc5160::Tmc5160;
 use super::{BOARD, ENABLE, StepBench};
 use crate::bench_parts::with_level;
 use crate::config::{Power, Setting};
+use crate::hardware::PulseLevels;
 use crate::module::Surroundings;
 
 impl Surroundings for StepBench {
@@ -22,7 +23,11 @@ impl Surroundings for StepBench {
     }
 
     fn step_pulses(&self) -> i64 {
-        self.pulses.total()
+        self.pulses.total() + self.lines.total()
+    }
+
+    fn pulse_levels(&self) -> PulseLevels {
+        self.lines.levels()
     }
 }
 
@@ -36,6 +41,8 @@ impl StepBench {
             Setting::StepPulses(pulses) => self.pulses.set_pulses(pulses),
             // Active is low.
             Setting::StepEnable(enabled) => self.inputs = with_level(self.inputs, ENABLE, !enabled),
+            Setting::StepLevel(high) => self.lines.set_step(high),
+            Setting::DirLevel(high) => self.lines.set_dir(high),
             Setting::Power(power) => self.switch(power),
             // It has neither encoder, switches nor analogue inputs, and its motor neither phases U, V, W nor hall sensors.
             _ => {}
