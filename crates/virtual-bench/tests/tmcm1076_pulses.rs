@@ -5,8 +5,8 @@ mod common;
 use common::step::{ENABLE, StepDriver};
 use tmcl_tables::tmcm_1076::AxisParameter as Ap;
 
-/// Friction holds the rotor back from where the standby current's field points.
-const SLACK_TURNS: f64 = 0.0006;
+/// Friction holds the rotor back from where the standby current's field points: by less than a step of 1/16.
+const SLACK_TURNS: f64 = 0.0003;
 
 #[track_caller]
 fn assert_turns(module: &StepDriver, expected: f64) {
