@@ -183,7 +183,7 @@ def test_the_shell_completes_and_remembers(serve: Callable[..., Server], tmp_pat
         terminal.wait_for("4711 pps")
         terminal.wait_for("tmcm-1311> ")
         terminal.type("get no_such\r")
-        terminal.wait_for("has no parameter `no_such`")
+        terminal.wait_for("nothing called `no_such`")
         terminal.wait_for("tmcm-1311> ")
         terminal.type("\x04")
         assert terminal.end() == 0
@@ -206,3 +206,28 @@ def test_a_factory_reset_asks_on_a_terminal(server: Server) -> None:
             terminal.type(f"{answer}\r")
             terminal.wait_for(said)
             assert terminal.end() == code
+
+
+def test_several_modules_on_one_bus(serve: Callable[..., Server]) -> None:
+    """Each is found at its address, and talked to at that."""
+    port = notation(serve("tmcm-1640@2", "--tcp", "127.0.0.1:0").port("tcp"))
+    found = json.loads(tmcl("scan", "--addresses", "1-3", "--json", "--port", port).stdout)
+    assert [(it["address"], it["module"]) for it in found] == [(1, "TMCM-1311"), (2, "TMCM-1640")]
+    assert "TMCM-1640" in tmcl("info", "--port", port, "--address", "2").stdout
+    assert value(("--port", port, "--address", "1"), "GAP 140, 0") == 8
+
+
+def test_modules_on_a_can_bus(serve: Callable[..., Server], link: str, tmp_path: Path) -> None:
+    """The same commands through an adapter that speaks slcan."""
+    serve("tmcm-1311@5", "--slcan", link)
+    wait_for(Path(link).exists, "the adapter is there")
+    port = ("--port", f"slcan://{link}")
+    found = json.loads(tmcl("scan", "--addresses", "4-6", "--json", *port).stdout)
+    assert [(it["address"], it["module"]) for it in found] == [(5, "TMCM-1311")]
+    five = (*port, "--address", "5")
+    (tmp_path / "once.tmc").write_text(ONCE)
+    done = tmcl("download", "once.tmc", "--verify", "--run", *five, folder=tmp_path)
+    assert "2 instructions of 2048 stored, read back and the same" in done.stderr
+    wait_for(lambda: value(five, "GGP 1, 2") == 4711, "the program runs")
+    lost = tmcl("info", *port, "--address", "9", "--timeout", "150ms", "--retries", "0", code=CONNECTION)
+    assert "received nothing" in lost.stderr

@@ -101,11 +101,13 @@ fn virtual_environment() -> Result<PathBuf> {
 const FUZZ_TARGETS: [&str; 8] = [
     "serial_decoder",
     "firmware_bytes",
+    "ascii",
     "program",
     "bench_file",
     "config_file",
     "expectation",
     "client_replies",
+    "slcan",
     "assembler",
 ];
 

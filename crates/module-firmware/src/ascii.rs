@@ -9,7 +9,6 @@ use tmcl_wire::ascii::{Echo, Input, letter};
 use crate::axis::Axis;
 use crate::envelope::{Envelope, Form, is_suppress_reply};
 use crate::firmware::Firmware;
-use crate::line::Line;
 use crate::port::{Ear, PortId};
 
 /// The bit of global parameter 67 that lets ports start in ASCII mode.
@@ -91,12 +90,5 @@ impl<A: Axis> Firmware<A> {
 
     fn has_letter(&self) -> bool {
         letter(self.globals.byte(GlobalParameter::SerialAddress)).is_some()
-    }
-
-    /// A request or a line for this module came to a serial port.
-    pub(crate) fn note_serial_request(&mut self, port: PortId) {
-        if self.ports.get(port.index()).is_some_and(|port| port.line == Line::Rs485) {
-            self.restart_heartbeat();
-        }
     }
 }

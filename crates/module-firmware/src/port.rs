@@ -1,8 +1,10 @@
 //! The module's ports: each keeps what came in until it is served, and what is said until it leaves.
 
-use tmcl_tables::{ModuleSpec, Status};
-use tmcl_wire::ascii::{self, CommandLine, Echo, Input, LINE_LENGTH, Typed};
+mod typing;
+
+use tmcl_wire::ascii::{self, CommandLine};
 use tmcl_wire::{Decoder, Listener, Reply, can, serial};
+pub(crate) use typing::Ear;
 
 use crate::envelope::{Envelope, Form};
 use crate::line::Line;
@@ -14,6 +16,12 @@ pub const PORTS: usize = 4;
 
 /// Bytes of a frame in an inbox or outbox: identifier, length, and what it carries.
 const FRAME_LENGTH: usize = 3 + can::Data::MAX_LENGTH;
+
+/// Bytes that an inbox and an outbox hold.
+const INBOX: usize = 64;
+const OUTBOX: usize = 128;
+
+const _: () = assert!(2 * FRAME_LENGTH <= OUTBOX);
 
 /// Names a port: 0 to 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,20 +38,6 @@ impl PortId {
     }
 }
 
-/// Whom a port in ASCII mode listens for, and what it echoes.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ear {
-    pub(crate) address: u8,
-    /// 0 for none.
-    pub(crate) secondary_address: u8,
-    pub(crate) echo: Echo,
-    /// The tick at which an echo may leave.
-    pub(crate) ready_at: u64,
-}
-
-/// What an erased character looks like on a terminal.
-const ERASED: &[u8] = b"\x08 \x08";
-
 /// One port's state.
 #[derive(Clone, Debug)]
 pub(crate) struct Port {
@@ -52,8 +46,8 @@ pub(crate) struct Port {
     /// The line that is being typed, in ASCII mode.
     typed: Option<CommandLine>,
     /// What waits until a storage job is done or replies have left.
-    inbox: Ring<64>,
-    outbox: Ring<128>,
+    inbox: Ring<INBOX>,
+    outbox: Ring<OUTBOX>,
     /// The tick before which nothing leaves.
     quiet_until: u64,
     /// How long the line may be silent within a datagram, where the surroundings said so.
@@ -133,49 +127,6 @@ impl Port {
     /// The next of the frames that wait. None while a reply and an event would not fit the outbox.
     pub(crate) fn next_frame(&mut self) -> Option<can::Frame> {
         if self.outbox.room() >= 2 * FRAME_LENGTH { take_frame(&mut self.inbox) } else { None }
-    }
-
-    /// Whether it takes lines instead of datagrams.
-    pub(crate) fn is_ascii(&self) -> bool {
-        self.typed.is_some()
-    }
-
-    /// From the next byte on it takes lines, or datagrams.
-    pub(crate) fn set_ascii(&mut self, ascii: bool) {
-        self.typed = ascii.then(CommandLine::new);
-        self.decoder.reset();
-    }
-
-    /// The address of the next line for this module in the characters that wait, which are echoed. None while an echo, a
-    /// reply and an event would not fit the outbox.
-    pub(crate) fn next_line(&mut self, ear: &Ear) -> Option<u8> {
-        loop {
-            let byte = self.inbox.peek()?;
-            if self.outbox.room() < self.room_for_echo(byte) {
-                return None;
-            }
-            self.inbox.pop();
-            let line = self.typed.as_mut()?;
-            let was_ours = line.is_for(ear.address);
-            let typed = line.push(byte);
-            let (ours, group) = (line.is_for(ear.address), line.is_for(ear.secondary_address));
-            if was_ours || ours {
-                self.echo(ear, typed, byte);
-            }
-            match typed {
-                Typed::Ended if ours => return Some(ear.address),
-                Typed::Ended if group => return Some(ear.secondary_address),
-                Typed::Ended => self.forget_line(),
-                Typed::Kept | Typed::Erased | Typed::Nothing => {}
-            }
-        }
-    }
-
-    /// What the line that ended asks for, by the tables of the module.
-    pub(crate) fn take_line(&mut self, module: &ModuleSpec) -> Result<Input, Status> {
-        let input = self.typed.as_ref().map(|line| line.input(module));
-        self.forget_line();
-        input.unwrap_or(Err(Status::InvalidCommand))
     }
 
     /// Queues a reply; false when it does not fit.
@@ -261,34 +212,6 @@ impl Port {
         }
         self.begin(envelope.ready_at);
         put_frame(&mut self.outbox, id, &data)
-    }
-
-    /// Echoes a character of a line for this module, or the line that it ended (TMCM-1311 §4.4.4). CR stands for every end.
-    fn echo(&mut self, ear: &Ear, typed: Typed, byte: u8) {
-        match (ear.echo, typed) {
-            (Echo::Characters, Typed::Kept) => self.say(ear.ready_at, &[byte]),
-            (Echo::Characters, Typed::Erased) => self.say(ear.ready_at, ERASED),
-            (Echo::Line, Typed::Ended) => {
-                let line = self.typed.clone().unwrap_or_default();
-                self.say(ear.ready_at, line.text()) && self.say(ear.ready_at, &[ascii::END])
-            }
-            (Echo::Characters, Typed::Ended) => self.say(ear.ready_at, &[ascii::END]),
-            (Echo::Line | Echo::Characters | Echo::Off, _) => true,
-        };
-    }
-
-    /// Room that the outbox needs for what a character may lead to.
-    fn room_for_echo(&self, byte: u8) -> usize {
-        match byte {
-            b'\r' | b'\n' => LINE_LENGTH + 1 + 2 * ascii::REPLY_LENGTH,
-            _ => ERASED.len(),
-        }
-    }
-
-    fn forget_line(&mut self) {
-        if let Some(line) = &mut self.typed {
-            line.clear();
-        }
     }
 
     /// What is about to be said waits, unless the port is speaking already.

@@ -47,7 +47,7 @@ fn transcript(node: &mut Node<Tmcm1311>, typed: &[&str]) -> String {
 }
 
 /// The manual's lines, and what people do to a line.
-const SESSION: [&str; 24] = [
+const SESSION: [&str; 25] = [
     // §4.4.1: there is no motor 1 or 2.
     "AMVP ABS, 1, 50000\r",
     "A MVP ABS, 1, 50000\r",
@@ -60,6 +60,7 @@ const SESSION: [&str; 24] = [
     "AGAP 0, 0\r\n",
     // Erasing, with either key; more than there is.
     "AGAP 4\x085 5\x08, 1\x7f0\r",
+    "AMTS\x08\x7fST 0\r",
     "\x7fB\x7f\x7fAMST 0\r",
     // Others' lines.
     "BMST 0\r",

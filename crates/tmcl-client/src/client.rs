@@ -38,7 +38,7 @@ impl Default for Settings {
     }
 }
 
-/// A host that talks to one module.
+/// A host that talks to one module at a time: [`Client::settings_mut`] turns it to another on the same bus.
 ///
 /// A reply does not say which of two like requests it answers. So when a reply failed to come in time, the next request
 /// waits until it is certain that it will not come any more: the module is asked something else, and answers in order. Where
@@ -48,10 +48,10 @@ pub struct Client<L> {
     link: L,
     settings: Settings,
     module: Option<&'static ModuleSpec>,
-    /// Commands whose replies may still come.
-    owed: BTreeSet<u8>,
-    /// Whether the module may be in download mode.
-    downloading: bool,
+    /// Replies that may still come: the address of the module, and the command.
+    owed: BTreeSet<(u8, u8)>,
+    /// The addresses of modules that may be in download mode.
+    downloading: BTreeSet<u8>,
     last: Option<Exchange>,
 }
 
@@ -65,7 +65,7 @@ impl<L: Link> Client<L> {
     /// A host with other settings.
     #[must_use]
     pub fn with_settings(link: L, settings: Settings) -> Self {
-        Self { link, settings, module: None, owed: BTreeSet::new(), downloading: false, last: None }
+        Self { link, settings, module: None, owed: BTreeSet::new(), downloading: BTreeSet::new(), last: None }
     }
 
     /// The settings.
@@ -125,7 +125,7 @@ impl<L: Link> Client<L> {
     /// # Errors
     /// [`ClientError::Link`] when the link is broken.
     pub fn send(&mut self, request: Request) -> Result<(), ClientError> {
-        self.owed.insert(request.command);
+        self.owe(request.command);
         self.begin(Exchange::new(request, encode_request(self.settings.module_address, request)));
         Ok(self.write_begun()?)
     }
@@ -153,8 +153,11 @@ impl<L: Link> Client<L> {
     ) -> Result<T, ClientError> {
         self.settle()?;
         self.begin(Exchange::new(request, encode_request(self.settings.module_address, request)));
-        let was_downloading = self.downloading;
-        self.downloading |= request.command == Command::DownloadStart.number();
+        let module = self.settings.module_address;
+        let was_downloading = self.downloading.contains(&module);
+        if request.command == Command::DownloadStart.number() {
+            self.downloading.insert(module);
+        }
         let attempts = self.attempts(request);
         let mut attempt = 1;
         let outcome = loop {
@@ -167,11 +170,15 @@ impl<L: Link> Client<L> {
         };
         match outcome {
             Ok(Answer::Done(done)) => {
-                self.downloading &= request.command != Command::DownloadEnd.number();
+                if request.command == Command::DownloadEnd.number() {
+                    self.downloading.remove(&module);
+                }
                 Ok(done)
             }
             Ok(Answer::Refused(status)) => {
-                self.downloading = was_downloading;
+                if !was_downloading {
+                    self.downloading.remove(&module);
+                }
                 Err(ClientError::Status { request, status })
             }
             Ok(Answer::Unknown(status)) => Err(ClientError::UnknownStatus { request, status }),
@@ -183,7 +190,7 @@ impl<L: Link> Client<L> {
     }
 
     fn attempts(&self, request: Request) -> u32 {
-        if is_repeat_safe(self.module, request, self.downloading) {
+        if is_repeat_safe(self.module, request, self.downloading.contains(&self.settings.module_address)) {
             self.settings.retries.saturating_add(1)
         } else {
             1
@@ -206,9 +213,19 @@ impl<L: Link> Client<L> {
         answer
     }
 
-    /// Remembers that a reply to this command may still come.
+    /// Remembers that the module's reply to this command may still come.
     pub(crate) fn owe(&mut self, command: u8) {
-        self.owed.insert(command);
+        self.owed.insert((self.settings.module_address, command));
+    }
+
+    /// Whether the module at hand owes a reply to any command; others on the bus are known by their address.
+    fn is_owed(&self) -> bool {
+        self.owed.iter().any(|(module, _)| *module == self.settings.module_address)
+    }
+
+    fn forgive(&mut self) {
+        let ours = self.settings.module_address;
+        self.owed.retain(|(module, _)| *module != ours);
     }
 
     /// Makes a request the one that goes over the line from now on.
@@ -258,20 +275,20 @@ impl<L: Link> Client<L> {
     /// there is no such reply either, the line has been silent for several timeouts, and what was owed is given up.
     pub(crate) fn settle(&mut self) -> Result<(), LinkError> {
         for probe in [version::binary(), Request::new(Command::ApplicationStatus, 0, 0, 0)] {
-            if self.owed.is_empty() {
+            if !self.is_owed() {
                 return Ok(());
             }
-            if self.owed.contains(&probe.command) {
+            if self.owed.contains(&(self.settings.module_address, probe.command)) {
                 continue;
             }
             self.begin(Exchange::new(probe, encode_request(self.settings.module_address, probe)));
             if self.attempt(probe, Question::reply_to_probe)?.is_ok() {
-                self.owed.clear();
+                self.forgive();
             }
         }
-        if !self.owed.is_empty() {
+        if self.is_owed() {
             let _ = self.receive(self.settings.timeout, |_| Verdict::<()>::Noise)?;
-            self.owed.clear();
+            self.forgive();
         }
         Ok(())
     }

@@ -5,6 +5,9 @@ use tmcl_tables::Command;
 
 use crate::{Client, ClientError, MOTOR};
 
+/// In place of the motor: between RAM and EEPROM.
+const EEPROM: u8 = 255;
+
 impl<L: Link> Client<L> {
     /// Reads a coordinate (GCO).
     ///
@@ -20,5 +23,21 @@ impl<L: Link> Client<L> {
     /// As [`Client::request`]; status 4 when there is no such coordinate, 5 when it is to be stored and the EEPROM is locked.
     pub fn set_coordinate(&mut self, number: u8, position: i32) -> Result<(), ClientError> {
         self.execute(Command::SetCoordinate, number, MOTOR, position).map(drop)
+    }
+
+    /// Copies a coordinate from 1 to 20 into the EEPROM, or all of these with 0 (SCO, motor 255).
+    ///
+    /// # Errors
+    /// As [`Client::request`]; status 4 when there is no such coordinate, 5 when the EEPROM is locked.
+    pub fn store_coordinate(&mut self, number: u8) -> Result<(), ClientError> {
+        self.execute(Command::SetCoordinate, number, EEPROM, 0).map(drop)
+    }
+
+    /// Copies a coordinate from 1 to 20 back from the EEPROM, or all of these with 0 (GCO, motor 255).
+    ///
+    /// # Errors
+    /// As [`Client::request`]; status 4 when there is no such coordinate.
+    pub fn restore_coordinate(&mut self, number: u8) -> Result<(), ClientError> {
+        self.execute(Command::GetCoordinate, number, EEPROM, 0).map(drop)
     }
 }

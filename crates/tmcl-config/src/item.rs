@@ -159,7 +159,10 @@ impl Item {
             Self::Port(port) => {
                 Access { read: true, write: port.direction == Direction::Output, store: false }
             }
-            _ => self.spec().map_or(Access { read: true, write: true, store: false }, |spec| spec.access),
+            // Coordinate 0 stays in RAM (TMCM-1311 §5.7.24, decision).
+            Self::Coordinate(number) => Access { read: true, write: true, store: number > 0 },
+            Self::Axis(spec) => spec.access,
+            Self::Global(entry, _) => entry.parameter.access,
         }
     }
 

@@ -258,6 +258,10 @@ impl<L: Link> Link for FaultyLink<L> {
         self.pass(duration);
         self.link.wait(duration)
     }
+
+    fn has_own_time(&self) -> bool {
+        self.link.has_own_time()
+    }
 }
 
 /// The next of a long row of numbers: SplitMix64, whose constants these are.

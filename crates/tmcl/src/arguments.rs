@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
-use crate::commands::application;
 use crate::commands::download::Download;
 use crate::commands::exec::Exec;
 use crate::commands::factory_reset::FactoryReset;
@@ -14,7 +13,7 @@ use crate::commands::ports::Ports;
 use crate::commands::scan::Scan;
 use crate::commands::shell::Shell;
 use crate::commands::upload::Upload;
-use crate::commands::{apply, diff, dump, get, restore, set, store, watch};
+use crate::commands::{application, apply, diff, dump, get, restore, set, store, watch};
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;

@@ -2,11 +2,13 @@
 //! share it.
 
 mod exchange;
+mod item;
 mod language;
 mod meaning;
 mod refusal;
 
 pub(crate) use exchange::{Answer, Exchange, send};
+pub(crate) use item::{reading, writing};
 pub(crate) use language::{Entered, Language, Prepared, Spoken};
 pub(crate) use meaning::Meaning;
 pub(crate) use refusal::refusal;

@@ -14,7 +14,6 @@ mod connection;
 mod direct;
 mod exit;
 mod module_name;
-mod names;
 mod panel;
 mod parameters;
 mod plot;

@@ -91,8 +91,8 @@ fn a_shell_talks_through_a_pipe() {
     let expected = [
         "SAP 4, 0, 51200         01 05 04 00 00 00 c8 00 d2  100 OK    51200 pps  Maximum positioning speed",
         "MVP ABS, 0, 51200       01 04 00 00 00 00 c8 00 cd  100 OK    51200  Move to position",
-        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    0 \u{b5}step  Actual position",
-        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    51200 \u{b5}step  Actual position",
+        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    0 \u{b5}step  Actual position (encoder step in closed loop)",
+        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    51200 \u{b5}step  Actual position (encoder step in closed loop)",
         "GAP 18, 0               01 06 12 00 00 00 00 00 19  100 OK    9  Status word: target_reached, position_mode",
         "MVP KEYWORD, MOTOR, POSITION",
     ];

@@ -1,12 +1,13 @@
-//! A bus in this process: what is written goes to every module of a bench, and what they say comes back. Waiting lets
-//! virtual time pass.
+//! An RS485 bus in this process, with the modules of a bench on it. Waiting lets virtual time pass.
+#![allow(clippy::disallowed_types, reason = "a link and those who look on share the bench")]
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tmcl_link::{Link, LinkError};
-use virtual_bench::{Bench, BenchConfig, ModuleKind, PortId};
+use virtual_bench::config::Interface;
+use virtual_bench::{Bench, BenchConfig, ModuleKind, PortId, Wiring};
 
 /// A bench that a link and those who look on share.
 #[derive(Clone, Debug)]
@@ -15,7 +16,10 @@ pub(crate) struct SharedBench(Arc<Mutex<Bench>>);
 impl SharedBench {
     /// Modules of these kinds with the addresses 1, 2 …, as delivered.
     pub(crate) fn with(kinds: &[ModuleKind]) -> Self {
-        let mut config = BenchConfig { modules: Vec::new(), wires: Vec::new(), events: Vec::new() };
+        let [first, ..] = kinds else { panic!("a bus needs a module") };
+        let mut config = BenchConfig::default_for(*first);
+        config.bus.interface = Some(Interface::Rs485);
+        config.modules.clear();
         for (kind, address) in kinds.iter().zip(1..) {
             let mut modules = BenchConfig::default_for(*kind).modules;
             for module in &mut modules {
@@ -24,7 +28,9 @@ impl SharedBench {
             }
             config.modules.extend(modules);
         }
-        Self(Arc::new(Mutex::new(Bench::new(&config))))
+        let mut bench = Bench::new(&config);
+        bench.wire(line(), Wiring::Rs485 { baud: None });
+        Self(Arc::new(Mutex::new(bench)))
     }
 
     /// The bench, now.
@@ -37,7 +43,7 @@ impl SharedBench {
         Duration::from_nanos(self.lock().time_ns())
     }
 
-    /// A link to the first port of all modules.
+    /// A link to the bus.
     pub(crate) fn link(&self) -> BusLink {
         BusLink { bench: self.clone(), arrived: VecDeque::new() }
     }
@@ -50,7 +56,8 @@ pub(crate) struct BusLink {
     arrived: VecDeque<u8>,
 }
 
-fn port() -> PortId {
+/// The port of every module that is on the bus.
+fn line() -> PortId {
     let [port, ..] = PortId::ALL;
     port
 }
@@ -62,21 +69,17 @@ fn nanoseconds(duration: Duration) -> u64 {
 impl BusLink {
     fn collect(&mut self) {
         let mut bytes = Vec::new();
-        let mut bench = self.bench.lock();
-        for module in bench.modules() {
-            bench.transmit(module, port(), &mut bytes);
-        }
-        drop(bench);
+        self.bench.lock().take(line(), &mut bytes);
         self.arrived.extend(bytes);
     }
 }
 
 impl Link for BusLink {
     fn write(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        let mut bench = self.bench.lock();
-        for module in bench.modules() {
-            self.arrived.extend(bench.exchange(module, port(), bytes));
-        }
+        let mut heard = Vec::new();
+        // Bytes take no time on a bus without a rate, which takes them all.
+        self.bench.lock().converse(line(), bytes, &mut heard);
+        self.arrived.extend(heard);
         Ok(())
     }
 
@@ -85,8 +88,7 @@ impl Link for BusLink {
         if self.arrived.is_empty() {
             let mut bench = self.bench.lock();
             let until_ns = bench.time_ns().saturating_add(nanoseconds(timeout));
-            let is_silent = |bench: &Bench| !bench.modules().any(|module| bench.has_output(module, port()));
-            bench.advance_observed(until_ns, &mut |bench| is_silent(bench));
+            bench.advance_observed(until_ns, &mut |bench| !bench.has_answer(line()));
             drop(bench);
             self.collect();
         }
@@ -107,5 +109,9 @@ impl Link for BusLink {
         self.bench.lock().advance_by(nanoseconds(duration));
         self.collect();
         Ok(())
+    }
+
+    fn has_own_time(&self) -> bool {
+        true
     }
 }

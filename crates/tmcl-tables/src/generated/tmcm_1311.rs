@@ -3986,7 +3986,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 40] = [
             repeat_safe: true,
             section: "10.1",
             beyond_manual: "",
-            note: "",
+            note: "Acts as MST, once for each silence; a running program goes on",
         },
     },
     GlobalSpec {
@@ -4261,7 +4261,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 40] = [
             number: 83,
             name: "CAN secondary address",
             id: "can_secondary_id",
-            summary: "Second CAN identifier the module listens to; 0 = none",
+            summary: "Second CAN identifier: commands to it are executed but not answered; 0 = none",
             unit: "",
             closed_loop_unit: "",
             range: ValueSet { intervals: &[(0, 2047)], step: 1 },
@@ -4278,7 +4278,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 40] = [
             repeat_safe: true,
             section: "10.1",
             beyond_manual: "",
-            note: "The range is printed as 7ff, hexadecimal without a prefix",
+            note: "The range is printed as 7ff, hexadecimal without a prefix. Whether it is answered the manual does not say; as GP 87, it is that of a group",
         },
     },
     GlobalSpec {
@@ -4395,7 +4395,7 @@ static GLOBAL_PARAMETERS: [GlobalSpec; 40] = [
             repeat_safe: true,
             section: "10.1, 3.1",
             beyond_manual: "",
-            note: "The default follows from 3.1: CAN works as delivered, RS485 needs 0 here",
+            note: "The default follows from 3.1: CAN works as delivered, RS485 needs 0 here. The other of the two is deaf",
         },
     },
     GlobalSpec {

@@ -3,13 +3,12 @@
 use clap::Args;
 use serde::Serialize;
 use tmcl_client::ClientError;
-use tmcl_tables::{Command, GlobalParameter, ModuleSpec};
-use tmcl_wire::Request;
+use tmcl_config::Item;
+use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::connection::{AnyClient, ConnectionOptions, told};
 use crate::direct::{self, Answer, Exchange};
 use crate::exit::Outcome;
-use crate::names::{self, Place};
 use crate::print;
 
 /// `tmcl info`.
@@ -69,7 +68,7 @@ struct ProgramReport {
 
 #[derive(Serialize)]
 struct Parameter {
-    id: &'static str,
+    id: String,
     value: Option<i64>,
     unit: &'static str,
     meaning: String,
@@ -97,7 +96,7 @@ pub(crate) fn run(options: &Info) -> Outcome {
     if let Some(ProgramReport { mode, address, memory }) = &report.program {
         rows.push(row("program", format!("{mode} at {address} of {memory}")));
     }
-    rows.extend(report.parameters.iter().map(|it| [it.id.to_owned(), it.shown.clone(), it.meaning.clone()]));
+    rows.extend(report.parameters.iter().map(|it| [it.id.clone(), it.shown.clone(), it.meaning.clone()]));
     Ok(print::listing(["what", "value", "meaning"], rows.into_iter())?)
 }
 
@@ -112,8 +111,8 @@ fn report(client: &mut AnyClient, module: &'static ModuleSpec, port: &str) -> Re
         None
     };
     let mut parameters = Vec::new();
-    for (place, id) in asked_for(module) {
-        parameters.push(parameter(client, module, place, id)?);
+    for item in asked_for(module) {
+        parameters.push(parameter(client, module, item)?);
     }
     Ok(Report {
         module: module.id,
@@ -127,33 +126,31 @@ fn report(client: &mut AnyClient, module: &'static ModuleSpec, port: &str) -> Re
 }
 
 /// Those that the module has.
-fn asked_for(module: &'static ModuleSpec) -> Vec<(Place, &'static str)> {
+fn asked_for(module: &'static ModuleSpec) -> Vec<Item> {
     let settings = SETTINGS.iter().filter_map(|parameter| {
         let (bank, number) = parameter.address();
-        let entry = module.global_parameter(bank, number)?;
-        Some((Place::Global(bank, number), entry.parameter.id))
+        Item::global(module, bank, number)
     });
-    let state = STATE
-        .iter()
-        .filter_map(|id| names::find(module, id).ok().map(|(place, parameter)| (place, parameter.id)));
-    settings.chain(state).collect()
+    settings.chain(STATE.iter().filter_map(|id| Item::by_id(module, id))).collect()
 }
 
 fn parameter(
     client: &mut AnyClient,
     module: &'static ModuleSpec,
-    place: Place,
-    id: &'static str,
+    item: Item,
 ) -> Result<Parameter, ClientError> {
-    let request = match place {
-        Place::Axis(number) => Request::new(Command::GetAxisParameter, number, 0, 0),
-        Place::Global(bank, number) => Request::new(Command::GetGlobalParameter, number, bank, 0),
-    };
+    let request = direct::reading(item);
     let answer = direct::send(client, request)?;
     let exchange = Exchange::new(client, request, &answer, module);
     let shown = match answer {
         Answer::Refused(_) => format!("refused, status {}", exchange.status_text()),
         _ => exchange.value_text(),
     };
-    Ok(Parameter { id, value: exchange.value, unit: exchange.unit, meaning: exchange.meaning, shown })
+    Ok(Parameter {
+        id: item.name(),
+        value: exchange.value,
+        unit: exchange.unit,
+        meaning: exchange.meaning,
+        shown,
+    })
 }

@@ -11,7 +11,7 @@ use crate::print;
 /// `tmcl restore`.
 #[derive(Args)]
 #[command(
-    after_help = "Axis parameters and user variables get back what was stored last. Global parameters of bank 0 hold nothing \
+    after_help = "Axis parameters, user variables and coordinates get back what was stored last. Global parameters of bank 0 hold nothing \
     else, since they are stored whenever they are written."
 )]
 pub(crate) struct Restore {

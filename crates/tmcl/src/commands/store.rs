@@ -11,7 +11,7 @@ use crate::print;
 /// `tmcl store`.
 #[derive(Args)]
 #[command(
-    after_help = "Axis parameters and user variables are stored as they are now. Global parameters of bank 0 are stored by the \
+    after_help = "Axis parameters, user variables and coordinates are stored as they are now. Global parameters of bank 0 are stored by the \
     module whenever they are written."
 )]
 pub(crate) struct Store {

@@ -208,6 +208,8 @@ mod tests {
     }
 
     proptest::proptest! {
+        #![proptest_config(proptest::prelude::ProptestConfig::with_cases(32))]
+
         #[test]
         fn any_line_is_understood_or_refused(text in "\\PC{0,40}") {
             let _ = entered(&mut Language::of(&tmcm_1311::SPEC), &text);

@@ -69,7 +69,12 @@ fn of_parameter(parameter: &'static ParameterSpec, bits: i32) -> Meaning {
         Some(name) => format!(": {name}"),
         None => fields(parameter, value),
     };
-    Meaning { value, unit: parameter.unit, name: format!("{}{said}", parameter.name) }
+    // Which of the two units it is, only the module knows.
+    let other = match parameter.closed_loop_unit {
+        unit if unit == parameter.unit => String::new(),
+        unit => format!(" ({unit} in closed loop)"),
+    };
+    Meaning { value, unit: parameter.unit, name: format!("{}{said}{other}", parameter.name) }
 }
 
 /// The bits that are set: `: overtemperature, phase=3`.

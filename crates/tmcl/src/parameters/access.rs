@@ -76,7 +76,8 @@ pub(crate) fn store(client: &mut AnyClient, item: Item) -> Result<(), ClientErro
     match item {
         Item::Axis(spec) => client.store_axis_parameter(spec.number),
         Item::Global(entry, number) => client.store_global_parameter(entry.bank, number),
-        Item::Coordinate(_) | Item::Port(_) => Ok(()),
+        Item::Coordinate(number) => client.store_coordinate(number),
+        Item::Port(_) => Ok(()),
     }
 }
 
@@ -85,7 +86,8 @@ pub(crate) fn restore(client: &mut AnyClient, item: Item) -> Result<(), ClientEr
     match item {
         Item::Axis(spec) => client.restore_axis_parameter(spec.number),
         Item::Global(entry, number) => client.restore_global_parameter(entry.bank, number),
-        Item::Coordinate(_) | Item::Port(_) => Ok(()),
+        Item::Coordinate(number) => client.restore_coordinate(number),
+        Item::Port(_) => Ok(()),
     }
 }
 

@@ -114,6 +114,19 @@ fn what_is_stored_survives_a_restart() {
     }
 }
 
+#[test]
+fn coordinates_are_stored_and_restored_on_demand() {
+    let kind = ModuleKind::Tmcm1311;
+    let mut client = client(kind);
+    let coordinate = item(kind, "coordinate.3");
+    assert_eq!(storage(item(kind, "coordinate.0")), Storage::None);
+    write(&mut client, coordinate, 700).expect("it answers");
+    store(&mut client, coordinate).expect("it answers");
+    write(&mut client, coordinate, 9).expect("it answers");
+    restore(&mut client, coordinate).expect("it answers");
+    assert_eq!(read(&mut client, coordinate).expect("it answers"), 700);
+}
+
 /// The client goes on talking to a module with new addresses, and the lock comes after them.
 #[test]
 fn addresses_and_locks_come_last() {

@@ -113,7 +113,7 @@ impl CommandDecoder {
             Piece::Line(line) => {
                 Some(Command::parse(line).ok_or_else(|| CommandError::Unknown(line.to_vec())))
             }
-            Piece::TooLong => Some(Err(CommandError::TooLong)),
+            Piece::TooLong(_) => Some(Err(CommandError::TooLong)),
             // A host has nothing to say with it.
             Piece::Bell => None,
         }

@@ -10,8 +10,8 @@ const LONGEST: usize = 30;
 pub(super) enum Piece<'a> {
     /// What stands before a CR.
     Line(&'a [u8]),
-    /// A line longer than any.
-    TooLong,
+    /// The beginning of a line longer than any.
+    TooLong(&'a [u8]),
     /// A BEL, and whatever stood before it.
     Bell,
 }
@@ -33,7 +33,11 @@ impl Lines {
         match byte {
             CR => {
                 self.complete = true;
-                Some(if self.bytes.len() > LONGEST { Piece::TooLong } else { Piece::Line(&self.bytes) })
+                Some(if self.bytes.len() > LONGEST {
+                    Piece::TooLong(&self.bytes)
+                } else {
+                    Piece::Line(&self.bytes)
+                })
             }
             BEL => {
                 self.complete = true;
@@ -67,7 +71,8 @@ mod tests {
         let mut lines = Lines::default();
         let name = |piece: Piece<'_>| match piece {
             Piece::Line(line) => String::from_utf8_lossy(line).into_owned(),
-            piece => format!("{piece:?}"),
+            Piece::TooLong(_) => "too long".to_owned(),
+            Piece::Bell => "Bell".to_owned(),
         };
         bytes.iter().filter_map(|byte| lines.push(*byte).map(name)).collect()
     }
@@ -81,9 +86,9 @@ mod tests {
     fn a_line_without_end_takes_no_room_and_is_over_at_cr() {
         let mut bytes = vec![b'x'; 100_000];
         bytes.extend(b"\rO\r");
-        assert_eq!(pieces(&bytes), ["TooLong", "O"]);
+        assert_eq!(pieces(&bytes), ["too long", "O"]);
         assert_eq!(pieces(b"123456789012345678901234567890\r"), ["123456789012345678901234567890"]);
-        assert_eq!(pieces(b"1234567890123456789012345678901\r"), ["TooLong"]);
+        assert_eq!(pieces(b"1234567890123456789012345678901\r"), ["too long"]);
     }
 
     #[test]

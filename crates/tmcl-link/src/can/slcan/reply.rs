@@ -28,7 +28,8 @@ pub enum Reply {
     Version(Vec<u8>),
     /// `N` and what the adapter calls its serial number.
     SerialNumber(Vec<u8>),
-    /// Something else: noise, or the word of an adapter that has more to say than others.
+    /// Something else: noise, or the word of an adapter that has more to say than others. Of a line that is longer than any,
+    /// the beginning.
     Unknown(Vec<u8>),
 }
 
@@ -100,7 +101,7 @@ impl ReplyDecoder {
     pub fn push(&mut self, byte: u8) -> Option<Reply> {
         Some(match self.lines.push(byte)? {
             Piece::Line(line) => Reply::parse(line),
-            Piece::TooLong => Reply::Unknown(Vec::new()),
+            Piece::TooLong(line) => Reply::Unknown(line.to_vec()),
             Piece::Bell => Reply::Refused,
         })
     }

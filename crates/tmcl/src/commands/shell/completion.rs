@@ -5,11 +5,11 @@ use rustyline::highlight::Highlighter;
 use rustyline::hint::Hinter;
 use rustyline::validate::Validator;
 use rustyline::{Context, Result};
+use tmcl_config::{Item, Name, items};
 use tmcl_lang::{BUILTIN_INCLUDES, builtin_include};
-use tmcl_tables::{CommandSpec, ModuleSpec, MotorField, Operand, ParameterSpec, TypeField, ValueField};
+use tmcl_tables::{BitField, CommandSpec, ModuleSpec, MotorField, Operand, TypeField, ValueField};
 
 use super::line::WORDS;
-use crate::names;
 
 /// Completes for one module.
 pub(super) struct Helper {
@@ -38,18 +38,21 @@ impl Helper {
         match word.to_ascii_lowercase().as_str() {
             "get" => {
                 let typed = last_of(rest, |letter| letter == ' ' || letter == ',');
-                (start(typed), beginning_with(typed, self.parameters(|it| it.access.read, "")))
+                (start(typed), beginning_with(typed, self.parameters(typed, |it| it.access().read, "")))
             }
             "set" => {
                 let typed = last_of(rest, |letter| letter == ' ');
                 match typed.split_once('=') {
-                    None => (start(typed), beginning_with(typed, self.parameters(|it| it.access.write, "="))),
+                    None => (
+                        start(typed),
+                        beginning_with(typed, self.parameters(typed, |it| it.access().write, "=")),
+                    ),
                     Some((name, value)) => (start(value), beginning_with(value, self.values_of(name))),
                 }
             }
             "help" => {
                 let typed = rest.trim_start();
-                let all = self.first_words().chain(self.parameters(|_| true, ""));
+                let all = self.first_words().chain(self.parameters(typed, |_| true, ""));
                 (start(typed), beginning_with(typed, all))
             }
             _ => {
@@ -68,18 +71,25 @@ impl Helper {
         mnemonics.chain(words).map(|word| (format!("{word} "), word.to_owned()))
     }
 
+    /// Names, and where one is written whole, those of its bits.
     fn parameters(
         &self,
-        wanted: impl Fn(&ParameterSpec) -> bool,
+        typed: &str,
+        wanted: impl Fn(Item) -> bool,
         after: &str,
     ) -> impl Iterator<Item = Candidate> {
-        names::all(self.module)
-            .filter(move |(_, parameter)| wanted(parameter))
-            .map(move |(_, parameter)| (format!("{}{after}", parameter.id), parameter.id.to_owned()))
+        let names = items(self.module).filter(move |item| wanted(*item)).flat_map(|item| {
+            let name = item.name();
+            let field = |field: &BitField| format!("{name}.{}", field.id);
+            let fields: Vec<String> =
+                if typed.starts_with(&name) { item.fields().iter().map(field).collect() } else { Vec::new() };
+            std::iter::once(name.clone()).chain(fields).collect::<Vec<_>>()
+        });
+        names.map(move |name| (format!("{name}{after}"), name))
     }
 
     fn values_of(&self, name: &str) -> impl Iterator<Item = Candidate> + use<> {
-        let values = names::find(self.module, name).map_or(&[][..], |(_, parameter)| parameter.values);
+        let values = Name::parse(name, self.module).map_or(&[][..], |name| name.item.values());
         values.iter().map(|named| (named.id.to_owned(), format!("{} ({})", named.id, named.name)))
     }
 
@@ -227,12 +237,26 @@ mod tests {
         assert_eq!(completed("get actual_position, target_pos"), ["get actual_position, target_position"]);
         assert_eq!(completed("set baud_rate=baud_11"), ["set baud_rate=baud_115200"]);
         assert_eq!(completed("help mst"), ["help MST "]);
+        assert_eq!(
+            completed("get variable.25"),
+            [
+                "get variable.25",
+                "get variable.250",
+                "get variable.251",
+                "get variable.252",
+                "get variable.253",
+                "get variable.254",
+                "get variable.255",
+            ]
+        );
+        assert_eq!(completed("set encoder_mode.null_active"), ["set encoder_mode.null_active_high="]);
     }
 
     proptest::proptest! {
         #[test]
-        fn any_line_is_completed(line in "\\PC{0,30}") {
-            let (start, _) = Helper::of(&tmcm_1311::SPEC).candidates(&line);
+        fn any_line_is_completed(line in "(get |set |GAP |SGP 65, )?\\PC{0,20}") {
+            static HELPER: std::sync::LazyLock<Helper> = std::sync::LazyLock::new(|| Helper::of(&tmcm_1311::SPEC));
+            let (start, _) = HELPER.candidates(&line);
             proptest::prop_assert!(line.is_char_boundary(start));
         }
     }

@@ -14,7 +14,7 @@ pub(super) enum Line<'a> {
     /// `exit`, `quit`.
     Leave,
     /// `get NAME…`.
-    Get(Vec<&'a str>),
+    Get(Vec<String>),
     /// `set NAME=VALUE…`.
     Set(Vec<(&'a str, &'a str)>),
     /// `wait 500ms`.
@@ -45,7 +45,7 @@ pub(super) fn parse(text: &str) -> Result<Line<'_>, String> {
         "get" if rest.is_empty() => {
             Err("`get` takes names of parameters, such as `get actual_position`".to_owned())
         }
-        "get" => Ok(Line::Get(words(rest).collect())),
+        "get" => Ok(Line::Get(words(rest).map(str::to_owned).collect())),
         "set" => set(rest),
         "wait" => wait(word, rest, text),
         _ => Ok(Line::Command(text)),
@@ -84,7 +84,7 @@ mod tests {
         assert_eq!(parse("  "), Ok(Line::Empty));
         assert_eq!(parse("help gap"), Ok(Line::Help("gap")));
         assert_eq!(parse("QUIT"), Ok(Line::Leave));
-        assert_eq!(parse("get a, b c"), Ok(Line::Get(vec!["a", "b", "c"])));
+        assert_eq!(parse("get a, b c"), Ok(Line::Get(["a", "b", "c"].map(str::to_owned).to_vec())));
         assert_eq!(parse("set a=1 b=on"), Ok(Line::Set(vec![("a", "1"), ("b", "on")])));
         assert_eq!(parse("wait 2s"), Ok(Line::Wait(Duration::from_secs(2))));
         assert_eq!(parse("WAIT TICKS, 0, 5"), Ok(Line::Command("WAIT TICKS, 0, 5")));

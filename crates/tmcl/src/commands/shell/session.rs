@@ -3,16 +3,18 @@
 use std::time::Duration;
 
 use tmcl_client::ClientError;
+use tmcl_config::{Item, Name, parse_value};
 use tmcl_link::Link;
-use tmcl_tables::{Access, Command, CommandSpec, ModuleSpec, ParameterSpec};
+use tmcl_tables::{
+    CommandSpec, ModuleSpec, MotorField, Operand, ParameterSpec, TypeField, ValueField, ValueSet,
+};
 use tmcl_wire::Request;
 
 use super::line::{self, Line, WORDS};
 use crate::connection::{AnyClient, told};
 use crate::direct::{self, Answer, Entered, Exchange, Language, Spoken};
-use crate::exit::Code;
-use crate::names::{self, Place};
-use crate::print;
+use crate::exit::{Code, Failure};
+use crate::{parameters, print};
 
 /// A module, and what was said to it.
 pub(super) struct Session {
@@ -56,8 +58,8 @@ impl Session {
                 self.wait(time);
                 Ok(Flow::On)
             }
-            Ok(Line::Get(names)) => self.each(&names, Self::get),
-            Ok(Line::Set(pairs)) => self.each(&pairs, |session, (name, value)| session.set(name, value)),
+            Ok(Line::Get(names)) => self.get(&names),
+            Ok(Line::Set(pairs)) => self.each(&pairs, |session, pair| session.set(*pair)),
             Ok(Line::Command(text)) => match self.language.understand(Spoken { name, number, text }) {
                 Ok(Entered::Command(command)) => self.exchange(command.request, &command.doubts),
                 Ok(Entered::Nothing) => Ok(Flow::On),
@@ -70,9 +72,9 @@ impl Session {
     }
 
     /// Goes through them until one fails.
-    fn each<T: Copy>(&mut self, items: &[T], one: impl Fn(&mut Self, T) -> Step) -> Step {
+    fn each<T>(&mut self, items: &[T], one: impl Fn(&mut Self, &T) -> Step) -> Step {
         for item in items {
-            match one(self, *item)? {
+            match one(self, item)? {
                 Flow::On => {}
                 other => return Ok(other),
             }
@@ -80,31 +82,35 @@ impl Session {
         Ok(Flow::On)
     }
 
-    fn get(&mut self, name: &str) -> Step {
-        match names::find(self.module, name) {
-            Ok((place, _)) => {
-                let (command, kind, motor) = match place {
-                    Place::Axis(number) => (Command::GetAxisParameter, number, 0),
-                    Place::Global(bank, number) => (Command::GetGlobalParameter, number, bank),
-                };
-                self.exchange(Request::new(command, kind, motor, 0), "")
-            }
-            Err(message) => Ok(wrong(&message)),
+    fn get(&mut self, texts: &[String]) -> Step {
+        let is_readable = |item: Item| item.access().read;
+        match parameters::named(texts, self.module, is_readable, "can only be written") {
+            Ok(names) => self.each(&names, |session, name| session.exchange(direct::reading(name.item), "")),
+            Err(failure) => Ok(told_so(&failure)),
         }
     }
 
-    fn set(&mut self, name: &str, value: &str) -> Step {
-        let found = names::find(self.module, name)
-            .and_then(|(place, parameter)| Ok((place, parameter, names::value(parameter, value)?)));
-        match found {
-            Ok((place, parameter, value)) => {
-                let (command, kind, motor) = match place {
-                    Place::Axis(number) => (Command::SetAxisParameter, number, 0),
-                    Place::Global(bank, number) => (Command::SetGlobalParameter, number, bank),
-                };
-                self.exchange(Request::new(command, kind, motor, parameter.to_wire(value)), "")
-            }
-            Err(message) => Ok(wrong(&message)),
+    /// Bits are put into what the parameter holds; that is read, and shown, first.
+    fn set(&mut self, (name, text): (&str, &str)) -> Step {
+        let name = match Name::parse(name, self.module) {
+            Ok(name) => name,
+            Err(error) => return Ok(wrong(&error.to_string())),
+        };
+        let items = std::iter::once(name.item);
+        let value = parameters::closed_loop(&mut self.client, self.module, items)
+            .map(|closed_loop| parse_value(text, &name, closed_loop));
+        let value = match value {
+            Ok(Ok(value)) => value,
+            Ok(Err(error)) => return Ok(wrong(&error.to_string())),
+            Err(failure) => return Ok(told_so(&failure)),
+        };
+        let before = if name.field.is_some() { parameters::read(&mut self.client, name.item) } else { Ok(0) };
+        match before.map(|before| name.insert(before, value)) {
+            Ok(whole) => match Name::of(name.item).check_whole(whole) {
+                Ok(()) => self.exchange(direct::writing(name.item, whole), ""),
+                Err(error) => Ok(wrong(&error.to_string())),
+            },
+            Err(error) => Ok(failed(&self.client, &error)),
         }
     }
 
@@ -135,10 +141,10 @@ impl Session {
         }
         let command =
             self.module.commands.iter().find(|entry| entry.spec.mnemonic.eq_ignore_ascii_case(about));
-        match (command, names::find(self.module, about)) {
+        match (command, Name::parse(about, self.module)) {
             (Some(entry), _) => print::text(&command_help(entry.spec, entry.modes.direct))?,
-            (None, Ok((place, parameter))) => print::text(&parameter_help(place, parameter))?,
-            (None, Err(message)) => return Ok(wrong(&format!("no command, and {message}"))),
+            (None, Ok(name)) => print::text(&parameter_help(name.item))?,
+            (None, Err(error)) => return Ok(wrong(&format!("no command, and {error}"))),
         }
         Ok(Flow::On)
     }
@@ -149,10 +155,13 @@ fn wrong(message: &str) -> Flow {
     Flow::Failed(Code::Usage)
 }
 
-fn failed(client: &AnyClient, error: &ClientError) -> Flow {
-    let failure = told(client, error);
+fn told_so(failure: &Failure) -> Flow {
     print::error(failure.message());
     Flow::Failed(failure.code())
+}
+
+fn failed(client: &AnyClient, error: &ClientError) -> Flow {
+    told_so(&told(client, error))
 }
 
 /// Command, bytes, status, value and what it is.
@@ -182,19 +191,55 @@ fn command_help(spec: &CommandSpec, is_direct: bool) -> String {
             )
         })
         .collect();
-    let operands: Vec<&str> = spec.operands.iter().map(|operand| names::operand(spec, *operand)).collect();
+    let operands: Vec<&str> = spec.operands.iter().map(|field| operand(spec, *field)).collect();
     let (mnemonic, operands) = (spec.mnemonic, operands.join(", "));
     format!("{}\n{}.{mode}\n{types}", format!("{mnemonic} {operands}").trim_end(), spec.summary)
 }
 
-fn parameter_help(place: Place, parameter: &ParameterSpec) -> String {
-    let ParameterSpec { id, summary, unit, access, default, .. } = parameter;
-    let Access { write, .. } = access;
-    let range = if *write { parameter.write_range } else { parameter.range };
-    let values: String = parameter
-        .values
-        .iter()
-        .map(|named| format!("  {:>4}  {:20}  {}\n", named.value, named.id, named.name))
-        .collect();
-    format!("{id}: {place}\n{summary}.\n{range} {unit}; {access}; {default} from the factory\n{values}")
+fn parameter_help(item: Item) -> String {
+    let (name, number, title, range, access) =
+        (item.name(), item.number(), item.title(), item.range(), item.access());
+    let summary = item.spec().map_or_else(String::new, |spec| {
+        format!(
+            "{}.\n{} {}; {access}; {} from the factory\n",
+            spec.summary,
+            written(spec),
+            spec.unit,
+            spec.default
+        )
+    });
+    let summary =
+        if summary.is_empty() { format!("{range} {}; {access}\n", item.unit(false)) } else { summary };
+    let values =
+        item.values().iter().map(|named| format!("  {:>4}  {:20}  {}\n", named.value, named.id, named.name));
+    let fields = item.fields().iter().map(|field| format!("  {name}.{}  {}\n", field.id, field.name));
+    format!("{name} ({number}): {title}\n{summary}{}", values.chain(fields).collect::<String>())
+}
+
+/// What a write may carry, or where there is none, a read.
+fn written(spec: &ParameterSpec) -> ValueSet {
+    if spec.access.write { spec.write_range } else { spec.range }
+}
+
+/// What an operand is, in a word.
+fn operand(spec: &CommandSpec, field: Operand) -> &'static str {
+    match field {
+        Operand::Type => match spec.type_field {
+            TypeField::Unused => "TYPE",
+            TypeField::Named => "KEYWORD",
+            TypeField::AxisParameter | TypeField::GlobalParameter => "PARAMETER",
+            TypeField::Port => "PORT",
+            TypeField::Coordinate => "COORDINATE",
+            TypeField::Interrupt => "INTERRUPT",
+        },
+        Operand::Motor if spec.motor_field == MotorField::Bank => "BANK",
+        Operand::Motor => "MOTOR",
+        Operand::Value => match spec.value_field {
+            ValueField::Velocity => "VELOCITY",
+            ValueField::Position | ValueField::CoordinateValue => "POSITION",
+            ValueField::Address => "ADDRESS",
+            ValueField::Ticks => "TICKS",
+            _ => "VALUE",
+        },
+    }
 }
