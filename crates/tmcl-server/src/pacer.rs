@@ -10,8 +10,8 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// How long one catching-up may take: whoever waits for the bench waits no longer than this.
 const SLICE: Duration = Duration::from_micros(80);
 
-/// Control periods between two looks at the clock.
-const TICKS_PER_LOOK: u64 = 16;
+/// Control periods of one module between two looks at the clock.
+const TICKS_PER_LOOK: usize = 16;
 
 /// How a bench is run on to an instant: plainly, or with somebody looking on.
 pub type Advance = Box<dyn FnMut(&mut Bench, u64) + Send>;
@@ -47,13 +47,19 @@ impl Paced {
     pub(crate) fn catch_up(&mut self, now: Instant) -> CaughtUp {
         let target_ns = self.virtual_ns(now);
         while target_ns.saturating_sub(self.bench.time_ns()) >= TICK_NS {
-            let look_ns = self.bench.time_ns().saturating_add(TICKS_PER_LOOK * TICK_NS);
+            let look_ns = self.bench.time_ns().saturating_add(self.ticks_to_look() * TICK_NS);
             (self.advance)(&mut self.bench, target_ns.min(look_ns));
             if now.elapsed() > SLICE {
                 return self.unfinished(now, target_ns);
             }
         }
         CaughtUp::Yes
+    }
+
+    /// Control periods until the next look at the clock: the fewer the more modules move.
+    fn ticks_to_look(&self) -> u64 {
+        let modules = if self.bench.is_at_rest() { 1 } else { self.bench.modules().count().max(1) };
+        u64::try_from(TICKS_PER_LOOK / modules).unwrap_or(1).max(1)
     }
 
     /// Slips when too far behind.
