@@ -17,6 +17,7 @@ mod pacer;
 mod pty;
 mod server;
 mod shared;
+pub mod state;
 mod tcp;
 
 pub use pacer::Advance;
@@ -24,3 +25,4 @@ pub use pacer::Advance;
 pub use pty::PtyError;
 pub use server::{ListenError, Server};
 pub use shared::Notice;
+pub use state::State;

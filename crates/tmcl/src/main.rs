@@ -18,6 +18,7 @@ mod plot;
 mod print;
 mod program;
 mod recording;
+mod state;
 mod virtual_link;
 
 use std::process::ExitCode;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         Command::Explain(options) => commands::explain::run(&options),
         Command::Demo(options) => commands::demo::run(&options),
         Command::Serve(options) => commands::serve::run(&options),
+        Command::State(options) => commands::state::run(&options),
         Command::Modules(options) => commands::modules::run(&options),
         Command::Params(options) => commands::params::run(&options),
         Command::Commands(options) => commands::commands::run(&options),

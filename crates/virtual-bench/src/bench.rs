@@ -2,7 +2,7 @@
 
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::tmcm_1640::Tmcm1640;
-use module_firmware::{PortId, RecordKey, Storage, Vm};
+use module_firmware::{PortId, Vm};
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::TICK_NS;
@@ -69,12 +69,21 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The bench that a file describes, switched on at time 0.
+    /// The bench that a file describes, switched on at time 0. The modules come from the factory.
     #[must_use]
     pub fn new(config: &BenchConfig) -> Self {
+        Self::with_eeproms(config, |_| None)
+    }
+
+    /// The same, with modules whose EEPROM holds something; `None`, and one of another kind of module, stands for a new one.
+    #[must_use]
+    pub fn with_eeproms(
+        config: &BenchConfig,
+        mut eeprom: impl FnMut(&ModuleConfig) -> Option<Eeprom>,
+    ) -> Self {
         Self {
             time_ns: 0,
-            slots: config.modules.iter().map(slot).collect(),
+            slots: config.modules.iter().map(|module| slot(module, eeprom(module))).collect(),
             wires: config.wires.clone(),
             events: config.events.clone(),
             next_event: 0,
@@ -298,6 +307,7 @@ impl Bench {
             Quantity::Port(bank, number) => f64::from(module.port(bank, number)),
             Quantity::EncoderCounts => f64::from(module.encoder_counts()),
             Quantity::StepPulses => module.step_pulses() as f64,
+            Quantity::EepromWrites => module.eeprom().writes() as f64,
             Quantity::Physical(index) => module.physical().values().get(index).copied().unwrap_or(0.0),
         }
     }
@@ -312,6 +322,12 @@ impl Bench {
     #[must_use]
     pub fn eeprom(&self, module: ModuleId) -> Option<&Eeprom> {
         self.module(module).map(VirtualModule::eeprom)
+    }
+
+    /// A module's EEPROM, to cut its power or to take its patches. A power cut takes effect at the module with its next byte
+    /// write: it is off then, and says nothing more.
+    pub fn eeprom_mut(&mut self, module: ModuleId) -> Option<&mut Eeprom> {
+        self.module_mut(module).map(VirtualModule::eeprom_mut)
     }
 
     /// The instructions of a module's program that it refused since the bench was made, in the order of addresses.
@@ -334,20 +350,21 @@ impl Bench {
     }
 }
 
-fn slot(config: &ModuleConfig) -> Slot {
-    let mut eeprom = Eeprom::default();
-    if let Some(address) = config.address {
-        let (bank, number) = GlobalParameter::SerialAddress.address();
-        // An EEPROM in memory takes every record.
-        let _ = eeprom.write(RecordKey::Global(bank, number), &i32::from(address).to_le_bytes());
-    }
+fn slot(config: &ModuleConfig, eeprom: Option<Eeprom>) -> Slot {
+    let eeprom = eeprom.filter(|eeprom| eeprom.kind() == config.kind);
+    let eeprom = eeprom.unwrap_or_else(|| Eeprom::new(config.kind));
+    let presets: Vec<_> = config
+        .address
+        .map(|address| (GlobalParameter::SerialAddress, i32::from(address)))
+        .into_iter()
+        .collect();
     let pace = config.instructions_per_tick;
     let module = match config.kind {
         ModuleKind::Tmcm1311 => {
-            AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom, pace)))
+            AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom, &presets, pace)))
         }
         ModuleKind::Tmcm1640 => {
-            AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, pace)))
+            AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, &presets, pace)))
         }
     };
     Slot { name: config.name.clone(), kind: config.kind, module }

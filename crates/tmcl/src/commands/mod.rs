@@ -14,3 +14,4 @@ pub(crate) mod modules;
 pub(crate) mod params;
 pub(crate) mod run;
 pub(crate) mod serve;
+pub(crate) mod state;

@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use tmcl_server::{Advance, Notice, Server};
 use tmcl_tables::GlobalParameter;
-use virtual_bench::{Bench, BenchConfig, ModuleKind, PORTS};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PORTS, Probe, Quantity};
 
 use crate::arguments::Serve;
 use crate::bench_file;
 use crate::exit::{Code, Failure, Outcome};
-use crate::print;
 use crate::recording::Recorder;
+use crate::{print, state};
 
 /// Where it listens when nothing is said.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5311";
@@ -24,8 +24,8 @@ const SAMPLE_NS: u64 = 10_000_000;
 pub(crate) fn run(options: &Serve) -> Outcome {
     check_ports(options)?;
     let config = bench_file::load(options.module, options.bench.as_deref())?;
-    let client = Client::of(&config);
-    let bench = Bench::new(&config);
+    let (bench, state) = state::bench(&config, options.state.as_deref())?;
+    let client = Client::of(&config, &bench);
     let recording = &options.recording;
     let recorder = Recorder::wanted(&bench, recording, SAMPLE_NS)?;
     let recorder = recorder.map(|recorder| Arc::new(Mutex::new(recorder)));
@@ -36,10 +36,17 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     })
     .map_err(|error| Failure::new(Code::Connection, format!("cannot wait for signals: {error}")))?;
     let mut server = Server::start_with(bench, options.speed, advance(recorder.clone()), say);
+    if let Some(state) = state {
+        server.keep(state);
+    }
     listen(&mut server, options, &client)?;
     // An error would mean that the handler is gone, and with it the only way to be told.
     let _ = stopped.recv();
+    let wear = server.finish().map_err(state::failure);
     drop(server);
+    if let Some(folder) = &options.state {
+        state::report_wear(&wear?, folder);
+    }
     if let Some(recorder) = recorder {
         recorder.lock().unwrap_or_else(PoisonError::into_inner).finish(recording, client.name)?;
     }
@@ -104,17 +111,16 @@ struct Client {
 }
 
 impl Client {
-    fn of(config: &BenchConfig) -> Self {
+    fn of(config: &BenchConfig, bench: &Bench) -> Self {
         let first = config.modules.first();
         let spec = first.map_or(&tmcl_tables::tmcm_1311::SPEC, |module| module.kind.spec());
         let (bank, number) = GlobalParameter::SerialAddress.address();
-        let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
-        let address = first.and_then(|module| module.address).map_or(factory, i64::from);
+        let address = bench.read(Probe { module: ModuleId(0), quantity: Quantity::Global(bank, number) });
         let motion = match first.map(|module| module.kind) {
             Some(ModuleKind::Tmcm1640) => "rotate(1000)",
             Some(ModuleKind::Tmcm1311) | None => "move_to(51200)",
         };
-        Self { name: spec.name, address, motion }
+        Self { name: spec.name, address: address as i64, motion }
     }
 
     /// What to type to drive the module with PyTrinamic.
@@ -143,6 +149,9 @@ fn say(notice: Notice) {
             )
         }
         Notice::Refused(peer) => format!("turned {peer} away: all {PORTS} ports of the module are in use"),
+        Notice::NotKept(error) => {
+            format!("what is stored is not kept for now, and lost if this goes on to the end: {error}")
+        }
         Notice::ClientFailed(error) => format!("a client could not be served: {error}"),
     });
 }
