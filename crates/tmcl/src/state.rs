@@ -45,7 +45,7 @@ fn report(SetAside { name, from, to, error }: &SetAside) {
 pub(crate) fn report_wear(wear: &[Wear], folder: &Path) {
     for Wear { name, writes_now, writes, most_worn } in wear {
         print::note(&format!(
-            "{name} is kept in {}: {writes_now} bytes written, {writes} since its EEPROM was new; the most worn page was \
+            "{name} is kept in {}: {writes_now} bytes written, {writes} since its EEPROM was new; its most worn page was \
              written {most_worn} times of {ENDURANCE}",
             folder.display()
         ));

@@ -14,7 +14,7 @@ use crate::ModuleKind;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ImageError {
     /// Too short, or too long.
-    #[error("it has {0} bytes, and not {IMAGE_LENGTH}")]
+    #[error("its length in bytes is {0} instead of {IMAGE_LENGTH}")]
     Length(usize),
     /// It does not begin as every image does.
     #[error("at byte 0: it does not begin with \"OpenTMCL\"")]

@@ -37,7 +37,7 @@ pub(super) const RECORD: usize = 4;
 pub(super) const INSTRUCTION: usize = 7;
 
 /// Protects headers and slots: it notices every change within 16 neighbouring bits.
-pub(super) const CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
+pub(super) static CRC: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
 
 /// Cells of one size.
 #[derive(Clone, Copy, Debug)]

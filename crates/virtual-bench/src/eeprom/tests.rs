@@ -243,8 +243,8 @@ fn what_is_wrong_is_said_and_where() {
         change(&mut image);
         Eeprom::from_image(&image).expect_err("an error").to_string()
     };
-    assert_eq!(says(&|image| image.truncate(1000)), "it has 1000 bytes, and not 67584");
-    assert_eq!(says(&|image| image.clear()), "it has 0 bytes, and not 67584");
+    assert_eq!(says(&|image| image.truncate(1000)), "its length in bytes is 1000 instead of 67584");
+    assert_eq!(says(&|image| image.clear()), "its length in bytes is 0 instead of 67584");
     assert_eq!(says(&|image| image[0] = b'o'), "at byte 0: it does not begin with \"OpenTMCL\"");
     assert_eq!(says(&|image| image[8] = 2), "at byte 11: the checksum of the header is wrong");
     let address = layout::record_cell(RecordKey::Global(0, 66)).map(|cell| RECORDS.address(cell, 0));
@@ -314,6 +314,8 @@ fn operation() -> impl Strategy<Value = Operation> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
     /// Operations, each of which may be cut, at power-on too; the wear never falls, and the image is good all along.
     #[test]
     fn nothing_is_lost_and_nothing_else_is_disturbed(
