@@ -54,14 +54,17 @@ class Counter:
         self.sent = dict.fromkeys(range(4), 0)
         self.acknowledged = dict(self.sent)
 
-    def count_until_the_end(self, port: Port) -> None:
-        """Counts until the line breaks."""
+    def count_until_killed(self, server: Server, port: Port, life_s: float) -> None:
+        """Counts until the line breaks, since the server is killed then."""
+        killer = threading.Timer(life_s, server.kill)
         with port.open_raw() as line:
+            killer.start()
             try:
                 while all(self._count(line, number) for number in self.sent):
                     pass
             except (OSError, termios.error):
                 pass
+            killer.join()
 
     def _count(self, line: object, number: int) -> bool:
         self.sent[number] += 1
@@ -104,10 +107,7 @@ def test_a_kill_at_any_moment(
         server = start()
         port = server.port(transport)
         counter.check(port)
-        killer = threading.Timer(rng.uniform(0, LONGEST_LIFE_S), server.kill)
-        killer.start()
-        counter.count_until_the_end(port)
-        killer.join()
+        counter.count_until_killed(server, port, rng.uniform(0, LONGEST_LIFE_S))
         assert "damaged" not in server.stderr()
     server = start()
     counter.check(server.port(transport))

@@ -108,11 +108,12 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 7] = [
+const FUZZ_TARGETS: [&str; 8] = [
     "serial_decoder",
     "firmware_bytes",
     "program",
     "bench_file",
+    "eeprom_image",
     "expectation",
     "client_replies",
     "assembler",

@@ -59,7 +59,12 @@ pub(crate) fn run(options: &State) -> Outcome {
     if options.json {
         print::json(&images)?;
     } else {
-        images.iter().try_for_each(print_image)?;
+        for (index, image) in images.iter().enumerate() {
+            if index > 0 {
+                print::text("\n")?;
+            }
+            print_image(image)?;
+        }
     }
     match images.iter().any(|image| image.damage.is_some()) {
         true => Err(Code::Findings.into()),
@@ -122,22 +127,22 @@ fn record(spec: &'static ModuleSpec, key: RecordKey, bits: i32) -> Record {
 fn print_image(image: &Image) -> std::io::Result<()> {
     let Image { file, damage, contents } = image;
     if let Some(damage) = damage {
-        print::text(&format!("{file}: damaged: {damage}\n\n"))?;
+        print::text(&format!("{file}: damaged: {damage}\n"))?;
     }
     let Some(contents) = contents else { return Ok(()) };
     let Contents { module, records, instructions, byte_writes, most_worn_page, .. } = contents;
     let worn = contents.most_worn_page_writes;
     print::text(&format!(
         "{file}: {module}, intact\n  {} and {} stored\n  {byte_writes} bytes written; page {most_worn_page}, the most worn, \
-         {worn} times of {ENDURANCE}\n\n",
+         {worn} times of {ENDURANCE}\n",
         counted(records.len(), "record"),
         counted(*instructions, "instruction"),
     ))?;
     if records.is_empty() {
         return Ok(());
     }
-    print::table(["number", "identifier", "value", "unit", "meaning"], records.iter().map(cells))?;
-    print::text("\n")
+    print::text("\n")?;
+    print::table(["number", "identifier", "value", "unit", "meaning"], records.iter().map(cells))
 }
 
 fn counted(count: usize, what: &str) -> String {
