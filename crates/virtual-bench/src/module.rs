@@ -242,7 +242,11 @@ where
     }
 
     fn apply(&mut self, setting: Setting) {
-        self.hardware.apply(setting);
+        match setting {
+            Setting::EepromCut(Some(writes)) => self.eeprom.cut_after(writes.into()),
+            Setting::EepromCut(None) => self.eeprom.never_cut(),
+            setting => self.hardware.apply(setting),
+        }
     }
 
     fn parameter(&self, number: u8) -> i32 {

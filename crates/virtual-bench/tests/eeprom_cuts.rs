@@ -93,7 +93,7 @@ fn stores_of_every_kind() {
             requests.extend(store_axis(4, value));
             requests.extend(store_axis(acceleration, value + 1));
             requests.extend(store_variable(7, -value));
-            requests.push(sgp(77, 0, value / 1000 & 1));
+            requests.push(sgp(77, 0, (value / 1000) & 1));
         }
         requests.push(sgp(73, 0, 1234));
         requests.push(sgp(73, 0, 4321));
@@ -279,6 +279,24 @@ fn a_program_that_counts_in_the_eeprom() {
         module.run_from(0);
     }
     assert!(last > 1000, "{last}");
+}
+
+/// The same by a bench file's event: the module falls silent, and `power` brings it back.
+#[test]
+fn a_bench_file_cuts_the_power() {
+    let mut module = Module::on(
+        "[[module]]\nkind = \"tmcm-1311\"\n[[event]]\nat = \"1ms\"\nset = { \"fault.eeprom_cut\" = 10 }\n\
+         [[event]]\nat = \"3ms\"\nset = { power = \"on\" }\n",
+    );
+    module.run_ms(2);
+    let requests: Vec<_> = [store_variable(7, 7), store_variable(8, 8)].concat();
+    assert_eq!(acknowledged(&mut module, &requests), 3, "the tenth byte write is in the second record");
+    assert_eq!(module.read("eeprom.writes"), 10.0);
+    module.run_ms(2);
+    assert_eq!((module.variable(7), module.variable(8)), (7, 0));
+    module.set("fault.eeprom_cut", 1);
+    module.set("fault.eeprom_cut", "none");
+    assert_eq!(acknowledged(&mut module, &requests), 4);
 }
 
 /// What a host may do to a record.

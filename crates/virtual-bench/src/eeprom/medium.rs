@@ -95,6 +95,12 @@ impl Medium {
         self.power = Power::OnFor(writes, torn);
     }
 
+    pub(super) fn never_cut(&mut self) {
+        if !self.is_cut() {
+            self.power = Power::On;
+        }
+    }
+
     pub(super) fn is_cut(&self) -> bool {
         self.power == Power::Off
     }

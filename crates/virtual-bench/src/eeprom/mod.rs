@@ -83,6 +83,11 @@ impl Eeprom {
         self.medium.cut_after(writes, Some(torn));
     }
 
+    /// A cut that is still to come does not.
+    pub fn never_cut(&mut self) {
+        self.medium.never_cut();
+    }
+
     /// Whether the power has failed.
     #[must_use]
     pub fn is_cut(&self) -> bool {
