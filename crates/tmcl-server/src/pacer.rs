@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use virtual_bench::{Bench, TICK_NS};
 
+use crate::state::{State, StateError};
+
 /// How far virtual time may fall behind before it slips: it never sprints to catch up.
 const PATIENCE: Duration = Duration::from_millis(100);
 
@@ -19,6 +21,8 @@ pub type Advance = Box<dyn FnMut(&mut Bench, u64) + Send>;
 /// A bench and the clock it follows.
 pub(crate) struct Paced {
     pub(crate) bench: Bench,
+    /// Where its EEPROMs are kept, if they are.
+    pub(crate) state: Option<State>,
     advance: Advance,
     speed: f64,
     /// The instant at which virtual time was `origin_ns`.
@@ -40,7 +44,12 @@ pub(crate) enum CaughtUp {
 impl Paced {
     pub(crate) fn new(bench: Bench, speed: f64, advance: Advance, now: Instant) -> Self {
         let origin_ns = bench.time_ns();
-        Self { bench, advance, speed, origin: now, origin_ns }
+        Self { bench, state: None, advance, speed, origin: now, origin_ns }
+    }
+
+    /// Writes what the EEPROMs took to their files.
+    pub(crate) fn save(&mut self) -> Result<(), StateError> {
+        self.state.as_mut().map_or(Ok(()), |state| state.save(&mut self.bench))
     }
 
     /// Runs the bench towards the present, for a slice of time at most.

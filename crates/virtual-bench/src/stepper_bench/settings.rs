@@ -54,6 +54,8 @@ impl Surroundings for StepperBench {
             Setting::StepPulses(pulses) => self.pulses.set_pulses(pulses),
             Setting::StepEnable(enabled) => state.enabled = enabled,
             Setting::Power(power) => self.switch(power),
+            // It is the module that has the EEPROM.
+            Setting::EepromCut(_) => {}
             // A stepper has neither phases U, V, W nor hall sensors.
             Setting::PhaseOpen(_) | Setting::PhaseShort(_) | Setting::HallLine { .. } => {}
         }
