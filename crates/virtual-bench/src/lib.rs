@@ -10,7 +10,7 @@ mod bench_parts;
 mod bldc_bench;
 mod bus;
 pub mod config;
-mod eeprom;
+pub mod eeprom;
 pub mod expect;
 mod hardware;
 mod kind;
@@ -30,7 +30,9 @@ pub use config::BenchConfig;
 pub use eeprom::Eeprom;
 pub use hardware::Physical;
 pub use kind::{ModuleKind, UnknownModuleKind};
-pub use module_firmware::{PORTS, PortId, ProgramMode, Vm};
+pub use module_firmware::{
+    ERASED, Instruction, PORTS, PortId, ProgramMode, RecordKey, Storage, StorageError, Vm,
+};
 pub use probe::{Probe, ProbeError, Quantity};
 pub use refusals::RefusedInstruction;
 pub use tmcl_wire::can;
