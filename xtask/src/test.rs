@@ -98,7 +98,7 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 8] = [
+const FUZZ_TARGETS: [&str; 10] = [
     "serial_decoder",
     "firmware_bytes",
     "ascii",
