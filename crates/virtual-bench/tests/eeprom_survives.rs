@@ -8,7 +8,8 @@ use common::{EEPROM, MODULE, Module, VARIABLES};
 use tmcl_tables::{Access, Command, GlobalParameter as Gp, ParameterSpec};
 use virtual_bench::{Bench, BenchConfig, Eeprom, ModuleKind, RecordKey};
 
-const BOTH: [ModuleKind; 2] = ModuleKind::ALL;
+/// The modules that have programs and global parameters.
+const BOTH: [ModuleKind; 2] = [ModuleKind::Tmcm1311, ModuleKind::Tmcm1640];
 
 fn new(kind: ModuleKind) -> Module {
     Module::with_image(kind, &Eeprom::new(kind).to_image())
