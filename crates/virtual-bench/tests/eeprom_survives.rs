@@ -87,8 +87,8 @@ fn global_parameters() {
         let bank_0 = spec.global_parameters.iter().filter(|entry| entry.bank == 0);
         for entry in bank_0.filter(|entry| is_stored(entry.parameter.access)) {
             let number = entry.parameter.number;
-            // The addresses say where the host has to look, and 64 forgets everything.
-            if [64, 66, 73, 76].contains(&number) {
+            // The addresses say where the host has to look, 67 makes the port speak ASCII, and 64 forgets everything.
+            if [64, 66, 67, 73, 76].contains(&number) {
                 continue;
             }
             let Some(value) = another(&entry.parameter) else { continue };
