@@ -226,7 +226,7 @@ impl Origin {
 }
 
 /// As [`failure`], with what went over the line.
-pub(crate) fn told(client: &AnyClient, error: &ClientError) -> Failure {
+pub(crate) fn told<L: Link>(client: &Client<L>, error: &ClientError) -> Failure {
     let failure = failure(error);
     match (error, client.last_exchange()) {
         (ClientError::Link(_), _) | (_, None) => failure,

@@ -1,13 +1,12 @@
 //! A command sent, and what came back.
 
 use serde::Serialize;
-use tmcl_client::{ClientError, Described};
+use tmcl_client::{Client, ClientError, Described};
+use tmcl_link::Link;
 use tmcl_tables::{Command, GlobalParameter, ModuleSpec, STATUSES, Status};
 use tmcl_wire::Request;
 
 use super::Meaning;
-use crate::connection::AnyClient;
-
 /// What a module answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
@@ -24,7 +23,7 @@ pub(crate) enum Answer {
 }
 
 /// Sends a command in the way that its kind of reply wants. A refusal is an answer.
-pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, ClientError> {
+pub(crate) fn send<L: Link>(client: &mut Client<L>, request: Request) -> Result<Answer, ClientError> {
     let answer = match Command::try_from(request.command) {
         Ok(Command::FirmwareVersion) if request.kind == 0 => client.version_string().map(Answer::Version),
         Ok(Command::ReadProgramMemory) => {
@@ -45,7 +44,7 @@ pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, C
 }
 
 /// A new address counts from the next request on (TMCM-1311 §10.1).
-fn follow(client: &mut AnyClient, request: Request) {
+fn follow<L: Link>(client: &mut Client<L>, request: Request) {
     let Ok(address) = u8::try_from(request.value) else { return };
     if request.command != Command::SetGlobalParameter.number() {
         return;
@@ -88,8 +87,8 @@ pub(crate) struct Exchange {
 
 impl Exchange {
     /// Of the request that was sent last.
-    pub(crate) fn new(
-        client: &AnyClient,
+    pub(crate) fn new<L: Link>(
+        client: &Client<L>,
         request: Request,
         answer: &Answer,
         module: &'static ModuleSpec,
