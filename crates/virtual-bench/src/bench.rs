@@ -244,9 +244,10 @@ impl Bench {
             let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
             let from = self.module(ModuleId(from_module));
             let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
-            if let Some(module) = self.module_mut(ModuleId(to_module))
-                && high != (module.port(INPUTS, input) != 0)
-            {
+            let to = ModuleId(to_module);
+            let differs = self.module(to).is_some_and(|module| high != (module.port(INPUTS, input) != 0));
+            // One that hears nothing new is left alone, so that it can rest.
+            if differs && let Some(module) = self.module_mut(to) {
                 module.apply(Setting::Input { number: input, high });
                 changed = true;
             }
