@@ -30,6 +30,7 @@ mod program_memory;
 mod ring;
 mod service;
 mod storage;
+pub mod tmcm_1076;
 pub mod tmcm_1311;
 pub mod tmcm_1640;
 mod values;

@@ -2,6 +2,7 @@
 
 mod lines;
 
+use module_firmware::tmcm_1076::Tmcm1076;
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::tmcm_1640::Tmcm1640;
 use module_firmware::{PORTS, PortId, Vm};
@@ -10,7 +11,7 @@ use tmcl_tables::ModuleSpec;
 use crate::TICK_NS;
 use crate::bldc_bench::BldcBench;
 use crate::bus::Bus;
-use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire};
+use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire, WireEnd};
 use crate::eeprom::Eeprom;
 use crate::hardware::Physical;
 use crate::kind::ModuleKind;
@@ -18,6 +19,7 @@ use crate::module::{Module, VirtualModule};
 use crate::presets::presets;
 use crate::probe::{self, Probe, ProbeError, Quantity};
 use crate::refusals::RefusedInstruction;
+use crate::step_bench::StepBench;
 use crate::stepper_bench::StepperBench;
 
 /// The banks of ports that wires join.
@@ -33,6 +35,7 @@ pub struct ModuleId(pub usize);
 enum AnyModule {
     Tmcm1311(Box<Module<Tmcm1311, StepperBench>>),
     Tmcm1640(Box<Module<Tmcm1640, BldcBench>>),
+    Tmcm1076(Box<Module<Tmcm1076, StepBench>>),
 }
 
 impl AnyModule {
@@ -40,6 +43,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_ref(),
             Self::Tmcm1640(module) => module.as_ref(),
+            Self::Tmcm1076(module) => module.as_ref(),
         }
     }
 
@@ -47,6 +51,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_mut(),
             Self::Tmcm1640(module) => module.as_mut(),
+            Self::Tmcm1076(module) => module.as_mut(),
         }
     }
 }
@@ -241,14 +246,17 @@ impl Bench {
     fn carry_signals(&mut self) -> bool {
         let mut changed = false;
         for index in 0..self.wires.len() {
-            let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
+            let Some(&Wire { from_module, output, to_module, to }) = self.wires.get(index) else { break };
             let from = self.module(ModuleId(from_module));
             let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
-            let to = ModuleId(to_module);
-            let differs = self.module(to).is_some_and(|module| high != (module.port(INPUTS, input) != 0));
-            // One that hears nothing new is left alone, so that it can rest.
-            if differs && let Some(module) = self.module_mut(to) {
-                module.apply(Setting::Input { number: input, high });
+            let Some(driven) = self.module(ModuleId(to_module)) else { continue };
+            let (level, setting) = match to {
+                WireEnd::Input(number) => (driven.port(INPUTS, number) != 0, Setting::Input { number, high }),
+                WireEnd::Step => (driven.pulse_levels().step, Setting::StepLevel(high)),
+                WireEnd::Dir => (driven.pulse_levels().dir, Setting::DirLevel(high)),
+            };
+            if high != level {
+                self.apply(ModuleId(to_module), setting);
                 changed = true;
             }
         }
@@ -406,6 +414,9 @@ fn slot(config: &ModuleConfig, bench: &BenchConfig, eeprom: Option<Eeprom>) -> S
         }
         ModuleKind::Tmcm1640 => {
             AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, &presets, pace)))
+        }
+        ModuleKind::Tmcm1076 => {
+            AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, &presets, pace)))
         }
     };
     Slot { name: config.name.clone(), kind: config.kind, module, quiet: false }

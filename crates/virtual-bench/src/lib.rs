@@ -17,8 +17,11 @@ mod kind;
 mod module;
 mod presets;
 mod probe;
+mod pulse_source;
 mod refusals;
+mod step_bench;
 mod stepper_bench;
+mod stepper_stage;
 mod trace;
 
 pub use bench::{Bench, ModuleId};

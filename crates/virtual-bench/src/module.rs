@@ -7,7 +7,7 @@ use tmcl_wire::can::Frame;
 use crate::TICK_NS;
 use crate::config::{Power, Setting};
 use crate::eeprom::Eeprom;
-use crate::hardware::{Hardware, Physical};
+use crate::hardware::{Hardware, Physical, PulseLevels};
 use crate::refusals::Refusals;
 
 /// What the bench does with a module of any kind.
@@ -56,6 +56,8 @@ pub(crate) trait VirtualModule {
     fn encoder_counts(&self) -> i32;
     /// Pulses at the step/direction connector, those to the right less those to the left.
     fn step_pulses(&self) -> i64;
+    /// Levels that wires drive at STEP and DIR.
+    fn pulse_levels(&self) -> PulseLevels;
     /// The truth about the shaft.
     fn physical(&self) -> Physical;
     /// The EEPROM.
@@ -76,6 +78,10 @@ pub(crate) trait Surroundings {
     fn encoder_counts(&self) -> i32;
     /// Pulses at the step/direction connector, those to the right less those to the left.
     fn step_pulses(&self) -> i64;
+    /// Levels that wires drive at STEP and DIR; low where none does.
+    fn pulse_levels(&self) -> PulseLevels {
+        PulseLevels::default()
+    }
 }
 
 /// A module on the bench.
@@ -330,6 +336,10 @@ where
 
     fn step_pulses(&self) -> i64 {
         self.hardware.step_pulses()
+    }
+
+    fn pulse_levels(&self) -> PulseLevels {
+        self.hardware.pulse_levels()
     }
 
     fn physical(&self) -> Physical {

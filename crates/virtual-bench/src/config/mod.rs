@@ -42,9 +42,9 @@ pub use module::ModuleConfig;
 pub use motor::{BldcConfig, MotorConfig};
 pub use parse_setting::{Part, SETTINGS, SettingError, SettingValue, parse_setting};
 pub use setting::{Coil, Contact, EncoderLine, HallSensor, Phase, Power, Setting, SwitchName};
-pub use step_dir::StepDirConfig;
+pub use step_dir::{RecordedLevels, StepDirConfig};
 pub use switches::SwitchesConfig;
-pub use wire::Wire;
+pub use wire::{Wire, WireEnd};
 
 use toml::de::DeTable;
 

@@ -20,7 +20,7 @@ struct Module {
     motion: &'static str,
 }
 
-/// What a client has to know of the modules at the ports.
+/// What a client has to know of the modules at the ports, as far as PyTrinamic has classes for them.
 pub(super) struct Advice {
     /// What the first one is called.
     pub(super) first: &'static str,
@@ -37,14 +37,19 @@ impl Advice {
             Some(Interface::Rs485) | None => GlobalParameter::SerialAddress,
         };
         let (bank, number) = address.address();
-        let modules = config.modules.iter().zip(bench.modules()).map(|(module, id)| Module {
-            class: module.kind.spec().name.replace('-', ""),
-            variable: module.name.replace('-', "_"),
-            address: bench.read(Probe { module: id, quantity: Quantity::Global(bank, number) }) as i64,
-            motion: match module.kind {
+        let modules = config.modules.iter().zip(bench.modules()).filter_map(|(module, id)| {
+            let motion = match module.kind {
                 ModuleKind::Tmcm1311 => "move_to(51200)",
                 ModuleKind::Tmcm1640 => "rotate(1000)",
-            },
+                // PyTrinamic has no class for it.
+                ModuleKind::Tmcm1076 => return None,
+            };
+            Some(Module {
+                class: module.kind.spec().name.replace('-', ""),
+                variable: module.name.replace('-', "_"),
+                address: bench.read(Probe { module: id, quantity: Quantity::Global(bank, number) }) as i64,
+                motion,
+            })
         });
         Self { first, modules: modules.collect() }
     }

@@ -1,7 +1,7 @@
 //! What the chip watches on each coil: open load and shorts to ground.
 
 use super::pins::{CoilFault, CoilPins};
-use super::sequencer::AMPLITUDE;
+use super::table::AMPLITUDE;
 
 /// Only a current above 1/16 of the largest can clear the open load flag (datasheet, OLA and OLB).
 const OPEN_LOAD_PART: i16 = 16;
@@ -14,7 +14,7 @@ const SHORT_LIMIT: u8 = 3;
 
 /// A coil's diagnostics.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct CoilMonitor {
+pub(crate) struct CoilMonitor {
     shorts: u8,
     open_load: bool,
     half_wave: HalfWave,
@@ -33,22 +33,22 @@ struct HalfWave {
 
 impl CoilMonitor {
     /// OLA or OLB.
-    pub(super) fn open_load(&self) -> bool {
+    pub(crate) fn open_load(&self) -> bool {
         self.open_load
     }
 
     /// S2GA or S2GB.
-    pub(super) fn shorted(&self) -> bool {
+    pub(crate) fn shorted(&self) -> bool {
         self.shorts == SHORT_LIMIT
     }
 
     /// Nothing flows on purpose: the half-wave ends without a verdict.
-    pub(super) fn rest(&mut self) {
+    pub(crate) fn rest(&mut self) {
         self.half_wave = HalfWave::default();
     }
 
     /// A bridge meets its coil's short once in a period, and gives up the cycle.
-    pub(super) fn count_short(&mut self, coil: CoilPins, protected: bool) {
+    pub(crate) fn count_short(&mut self, coil: CoilPins, protected: bool) {
         if coil.fault == CoilFault::ShortToGround && protected {
             self.shorts = (self.shorts + 1).min(SHORT_LIMIT);
         }
@@ -56,7 +56,7 @@ impl CoilMonitor {
 
     /// Compares the current with the target of the period before, and takes the next: `value` of
     /// [`AMPLITUDE`], which is `target_a`.
-    pub(super) fn observe(&mut self, current_a: f64, value: i16, target_a: f64) {
+    pub(crate) fn observe(&mut self, current_a: f64, value: i16, target_a: f64) {
         let wave = &mut self.half_wave;
         if wave.awaited_a != 0.0 {
             wave.awaited_any = true;

@@ -4,8 +4,8 @@
 //! current and the rotor, and g = 500 · min(1, v / 1 rps) · clamp((U − E − I·R) / 0.25 U, 0, 1). What varies is averaged
 //! over the full step, or with SFILT over four of them, as the silicon integrates it.
 
-use super::sequencer::Command;
-use super::{Pins, Registers};
+use super::Pins;
+use super::table::Command;
 
 /// The reading of an unloaded motor with SGT = 0.
 const GAIN: f64 = 500.0;
@@ -24,9 +24,18 @@ const LARGEST_READING: f64 = 1023.0;
 /// Full steps in a reading with SFILT.
 const FILTER_FULL_STEPS: u8 = 4;
 
+/// What of the measurement can be set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct StallGuard {
+    /// SGT, −64 to 63.
+    pub(crate) threshold: i8,
+    /// SFILT: one reading in four full steps instead of one in each.
+    pub(crate) filter: bool,
+}
+
 /// The chip's measurement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Measurement {
+pub(crate) struct Measurement {
     value: u16,
     /// The quadrant of the commanded vector: a full step is from one to the next.
     quadrant: Option<u8>,
@@ -44,12 +53,12 @@ struct Window {
 
 impl Measurement {
     /// The last reading, 0 to 1023.
-    pub(super) fn value(&self) -> u16 {
+    pub(crate) fn value(&self) -> u16 {
         self.value
     }
 
     /// Forgets what was sampled since the last reading: the bridges are off.
-    pub(super) fn interrupt(&mut self) {
+    pub(crate) fn interrupt(&mut self) {
         self.quadrant = None;
         self.window = Window::default();
     }
@@ -57,17 +66,17 @@ impl Measurement {
     /// A sample of a period in which the commanded vector turned; says a new reading when there is one.
     ///
     /// At most one full step is seen in a period.
-    pub(super) fn sample(
+    pub(crate) fn sample(
         &mut self,
         command: Command,
         peak_current_a: f64,
         pins: &Pins,
-        registers: &Registers,
+        settings: StallGuard,
     ) -> Option<u16> {
         let quadrant = quadrant(command.vector);
         let reading = if self.quadrant.is_some_and(|before| before != quadrant) {
             self.window.full_steps += 1;
-            self.window.reading(registers)
+            self.window.reading(settings)
         } else {
             None
         };
@@ -89,15 +98,15 @@ impl Measurement {
 
 impl Window {
     /// The reading, if enough full steps are in.
-    fn reading(&self, registers: &Registers) -> Option<u16> {
-        let needed = if registers.stallguard_filter { FILTER_FULL_STEPS } else { 1 };
+    fn reading(&self, settings: StallGuard) -> Option<u16> {
+        let needed = if settings.filter { FILTER_FULL_STEPS } else { 1 };
         if self.full_steps < needed {
             return None;
         }
         let samples = f64::from(self.samples.max(1));
         // A rotor that swings about one place has no velocity on the average: that is what a stall looks like.
         let speed = (self.velocity_sum_rps / samples / FULL_VELOCITY_RPS).clamp(0.0, 1.0);
-        let threshold = THRESHOLD_UNIT * f64::from(registers.stallguard_threshold.clamp(-64, 63));
+        let threshold = THRESHOLD_UNIT * f64::from(settings.threshold.clamp(-64, 63));
         let reading = GAIN * speed * self.freedom_sum / samples + threshold;
         Some(reading.clamp(0.0, LARGEST_READING) as u16)
     }

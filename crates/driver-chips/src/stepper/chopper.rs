@@ -2,27 +2,31 @@
 
 use motor_physics::Terminal;
 
+use super::Pins;
 use super::pins::{CoilFault, CoilPins};
-use super::{Pins, Registers};
 
-/// The voltage of a coil for the next period.
-pub(super) fn terminal(
+/// The voltage that brings a coil's current to its target, as far as the supply goes.
+pub(crate) fn terminal(
     target_a: f64,
     coil: CoilPins,
     pins: &Pins,
-    registers: &Registers,
+    short_protection: bool,
     period_s: f64,
 ) -> Terminal {
+    bridge(wanted_v(target_a, coil, pins, period_s), coil, pins, short_protection)
+}
+
+/// What a bridge can do of a voltage: no more than the bus, and not against a fault.
+pub(crate) fn bridge(wanted_v: f64, coil: CoilPins, pins: &Pins, short_protection: bool) -> Terminal {
     let bus_voltage_v = pins.bus_voltage_v.max(0.0);
     let lowest_v = match coil.fault {
         CoilFault::None => -bus_voltage_v,
         // One end lies on ground: the bridge can still push from the other end, but not pull.
-        CoilFault::ShortToGround if registers.short_protection_disabled => 0.0,
+        CoilFault::ShortToGround if !short_protection => 0.0,
         // A protected bridge gives up each chopper cycle as soon as it meets the short.
         CoilFault::ShortToGround | CoilFault::Open => return Terminal::Floating { bus_voltage_v },
     };
-    let voltage_v = wanted_v(target_a, coil, pins, period_s).max(lowest_v).min(bus_voltage_v);
-    Terminal::Driven { voltage_v }
+    Terminal::Driven { voltage_v: wanted_v.max(lowest_v).min(bus_voltage_v) }
 }
 
 /// R·ī + e + L·Δi/T with the mean ī of the current on its way: right to the second order of T·R/L.
