@@ -137,7 +137,7 @@ fn a_recording_is_played_edge_by_edge() {
     // Twenty pulses of 1 ms to the right, each 37 µs long, then eight to the left.
     let edge = |pulse: u32, step: u32, dir: u32| {
         let us = 1000 * pulse + 123 + if step == 1 { 0 } else { 37 };
-        format!("[{}e-6, {step}, {dir}]", us)
+        format!("[{us}e-6, {step}, {dir}]")
     };
     let edges: Vec<_> =
         (0..28).flat_map(|pulse| [1, 0].map(|step| edge(pulse, step, u32::from(pulse >= 20)))).collect();
