@@ -12,9 +12,6 @@ use tmcl_tables::{Command, GlobalParameter as Gp, Status};
 use tmcl_wire::Request;
 use virtual_bench::{Eeprom, Instruction, ModuleKind, RecordKey};
 
-/// The modules that stand alone, with all that can be stored.
-const BOTH: [ModuleKind; 2] = [ModuleKind::Tmcm1311, ModuleKind::Tmcm1640];
-
 fn new(kind: ModuleKind) -> Module {
     Module::with_image(kind, &Eeprom::new(kind).to_image())
 }
@@ -90,7 +87,7 @@ fn store_variable(number: u8, value: i32) -> [Request; 2] {
 
 #[test]
 fn stores_of_every_kind() {
-    for (kind, acceleration) in BOTH.into_iter().zip([5, 11]) {
+    for (kind, acceleration) in [(ModuleKind::Tmcm1311, 5), (ModuleKind::Tmcm1640, 11)] {
         let mut requests = Vec::new();
         for value in [1000, 2000, 3000, 1000] {
             requests.extend(store_axis(4, value));
@@ -115,7 +112,7 @@ fn coordinates_that_are_written_through() {
 
 #[test]
 fn a_download_over_a_download() {
-    for kind in BOTH {
+    for kind in [ModuleKind::Tmcm1311, ModuleKind::Tmcm1640] {
         let mut module = new(kind);
         module.download(&[sgp(7, VARIABLES, 1), sgp(8, VARIABLES, 2), sgp(9, VARIABLES, 3), STOP]);
         let instructions = [sgp(7, VARIABLES, 4), sgp(8, VARIABLES, 2), STOP, sgp(10, VARIABLES, -1)];
@@ -222,7 +219,7 @@ fn a_protection_that_is_taken_off_never_gives_the_program_away() {
 /// 137 is cut, and so is the power-on after it: it has not begun, or it is completed at the next power-on.
 #[test]
 fn a_factory_reset_is_completed() {
-    for kind in BOTH {
+    for kind in [ModuleKind::Tmcm1311, ModuleKind::Tmcm1640] {
         let begin = protected(kind, 1);
         let before = stored(&mut begin.clone());
         let magic = RecordKey::Global(0, 64).to_u16();
