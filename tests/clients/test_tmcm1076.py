@@ -96,3 +96,8 @@ def test_our_own_tools_at_the_same_port(port: Port, tmp_path: Path) -> None:
     tmcl("apply", port, str(settings))
     with port.connect() as connection:
         assert connection.get_axis_parameter(MICROSTEPS, 0) == 6
+
+
+def test_a_neighbour_with_the_same_address_is_noticed(serve: Callable[..., Server]) -> None:
+    server = serve("--tcp", "127.0.0.1:0", module="tmcm-1311 tmcm-1076")
+    assert "m1 and m2 have the same address 1" in server.stderr()

@@ -69,8 +69,9 @@ impl Shared {
         let line = PortId::ALL.into_iter().find(|line| clients[line.index()].is_none())?;
         clients[line.index()] = Some(wake);
         let bench = &mut lock(&self.paced).bench;
-        // Where bytes take their time, the rate says how long silence may last; elsewhere the client's clock does.
-        if !matches!(wiring, Wiring::Rs485 { baud: Some(_) }) {
+        // Where bytes take their time, the rate says how long silence may last; where they do not, the client's clock does.
+        // Frames need neither.
+        if matches!(wiring, Wiring::Usb | Wiring::Rs485 { baud: None }) {
             bench.set_silence_ns(self.silence_ns);
         }
         bench.wire(line, wiring);

@@ -156,7 +156,10 @@ where
     fn fail(&mut self) {
         self.powered = false;
         self.hardware.apply(Setting::Power(Power::Off));
-        self.firmware = Firmware::power_on(&mut self.eeprom.clone());
+        let mut eeprom = self.eeprom.clone();
+        eeprom.never_cut();
+        eeprom.power_on();
+        self.firmware = Firmware::power_on(&mut eeprom);
         self.set_up();
     }
 }

@@ -180,9 +180,10 @@ impl<'a> Session<'a> {
     /// Sends what shall be set before anything runs.
     fn execute(&mut self, commands: Vec<Prepared>) -> Result<(), Failure> {
         let module = self.module;
-        let mut client = self.client();
         for Prepared { request, doubts } in commands {
-            let answer = direct::send(&mut client, request).map_err(|error| told(&client, &error))?;
+            // A new address counts from the next request on (TMCM-1311 §10.1).
+            let mut client = self.client();
+            let answer = direct::ask(&mut client, request).map_err(|error| told(&client, &error))?;
             if let Answer::Refused(status) = answer {
                 let message = direct::refusal(&client, request, status, module) + &direct::reason(&doubts);
                 return Err(Failure::new(Code::TmclStatus, message));

@@ -3,10 +3,12 @@
 use serde::Serialize;
 use tmcl_client::{Client, ClientError, Described};
 use tmcl_link::Link;
-use tmcl_tables::{Command, GlobalParameter, ModuleSpec, STATUSES, Status};
+use tmcl_tables::{Command, ModuleSpec, STATUSES, Status};
 use tmcl_wire::Request;
 
 use super::Meaning;
+use crate::connection::{AnyClient, follow};
+
 /// What a module answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
@@ -22,8 +24,19 @@ pub(crate) enum Answer {
     Refused(Status),
 }
 
+/// As [`ask`], and goes on talking to a module that was told another address.
+pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, ClientError> {
+    let answer = ask(client, request)?;
+    if matches!(answer, Answer::Value(Status::Ok, _))
+        && request.command == Command::SetGlobalParameter.number()
+    {
+        follow(client, request.motor, request.kind, request.value.into())?;
+    }
+    Ok(answer)
+}
+
 /// Sends a command in the way that its kind of reply wants. A refusal is an answer.
-pub(crate) fn send<L: Link>(client: &mut Client<L>, request: Request) -> Result<Answer, ClientError> {
+pub(crate) fn ask<L: Link>(client: &mut Client<L>, request: Request) -> Result<Answer, ClientError> {
     let answer = match Command::try_from(request.command) {
         Ok(Command::FirmwareVersion) if request.kind == 0 => client.version_string().map(Answer::Version),
         Ok(Command::ReadProgramMemory) => {
@@ -34,25 +47,9 @@ pub(crate) fn send<L: Link>(client: &mut Client<L>, request: Request) -> Result<
         }
         _ => client.request(request).map(|reply| Answer::Value(reply.status, reply.value)),
     };
-    if let Ok(Answer::Value(Status::Ok, _)) = answer {
-        follow(client, request);
-    }
     match answer {
         Err(ClientError::Status { status, .. }) => Ok(Answer::Refused(status)),
         answer => answer,
-    }
-}
-
-/// A new address counts from the next request on (TMCM-1311 §10.1).
-fn follow<L: Link>(client: &mut Client<L>, request: Request) {
-    let Ok(address) = u8::try_from(request.value) else { return };
-    if request.command != Command::SetGlobalParameter.number() {
-        return;
-    }
-    match GlobalParameter::from_address(request.motor, request.kind) {
-        Some(GlobalParameter::SerialAddress) => client.settings_mut().module_address = address,
-        Some(GlobalParameter::HostAddress) => client.settings_mut().host_address = address,
-        _ => {}
     }
 }
 
