@@ -2,7 +2,7 @@
 //!
 //! - [`Client::request`] sends one command and finds its reply, through noise, lost bytes and replies to somebody else.
 //!   [`Client::last_exchange`] shows what went over the line.
-//! - [`open`] finds a way to a module by its address; over a CAN bus, [`CanStream`] carries what a client says in frames.
+//! - [`open()`] finds a way to a module by its address; over a CAN bus, [`CanStream`] carries what a client says in frames.
 //! - [`Client::probe`] asks who is at an address of a bus.
 //! - The typed calls on [`Client`] read and write parameters and coordinates, move the motor, and switch ports.
 //! - [`Client::download`] and its neighbours store, read back, run, step and watch stand-alone programs.
