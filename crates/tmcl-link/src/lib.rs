@@ -5,7 +5,7 @@
 //! - [`can::CanLink`] is the same for frames. [`can::SlcanLink`] is an adapter on a serial port, [`can::SocketCan`] an interface
 //!   of Linux.
 //! - [`open`] and [`open_with`] open any of them by its address ([`LinkAddress`]): `tcp://localhost:4000`,
-//!   `/dev/ttyACM0@115200`, `COM3`, `slcan:///dev/ttyACM0`, `can://can0`. [`ports`] lists what this computer has.
+//!   `/dev/ttyACM0@115200`, `COM3`, `slcan:///dev/ttyACM0`, `can://can0`. [`ports()`] lists what this computer has.
 //! - [`FaultyLink`] is a line that loses, doubles, spoils and delays bytes, for the tests of those who use a link.
 //!
 //! This crate must never know what the bytes mean.
