@@ -85,13 +85,7 @@ impl<A: Axis> Firmware<A> {
         !happened && self.program_quiet_ticks() > 0 && !self.has_unnoticed_edge()
     }
 
-    /// Control periods until the program or the axis goes on by itself, while [`Firmware::is_idle`].
-    #[must_use]
-    pub fn quiet_ticks(&self) -> u64 {
-        self.program_quiet_ticks().min(self.axis.quiet_ticks())
-    }
-
-    fn program_quiet_ticks(&self) -> u64 {
+    pub(crate) fn program_quiet_ticks(&self) -> u64 {
         if !self.vm.is_active() {
             return u64::MAX;
         }

@@ -1,18 +1,19 @@
 //! The module as a state machine: bytes, ticks, and work in the background.
 
-use tmcl_tables::{Command, GlobalParameter, Status};
+use tmcl_tables::GlobalParameter;
 use tmcl_vm::{Halt, NeverHalt, Vm};
-use tmcl_wire::{Event, Reply, Request};
+use tmcl_wire::can;
 
 use crate::application::{Halted, ProgramJob, Refusal};
 use crate::axis::Axis;
 use crate::coordinates::Coordinates;
-use crate::dispatch::{Origin, Outcome, POSITION_REACHED_MASK};
 use crate::download::Download;
 use crate::events::{Events, Sources};
 use crate::globals::Globals;
+use crate::heartbeat::Heartbeat;
 use crate::jobs::{Job, Pending};
-use crate::port::{Envelope, PORTS, Port, PortId};
+use crate::line::{Line, Rates};
+use crate::port::{PORTS, Port, PortId};
 
 /// A module.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub struct Firmware<A: Axis> {
     pub(crate) executed: u16,
     pub(crate) ticks: u64,
     pub(crate) ports: [Port; PORTS],
+    pub(crate) rates: Rates,
+    pub(crate) heartbeat: Heartbeat,
     pub(crate) pending: Option<Pending>,
     /// What the axis keeps by itself.
     pub(crate) upkeep: Option<Job>,
@@ -39,6 +42,10 @@ pub struct Firmware<A: Axis> {
 impl<A: Axis> Firmware<A> {
     /// A module with these settings; [`Firmware::power_on`] reads them from storage.
     pub(crate) fn with(axis: A, globals: Globals, coordinates: Coordinates) -> Self {
+        let rates = Rates::new(
+            globals.setting(GlobalParameter::BaudRate),
+            globals.setting(GlobalParameter::CanBitRate),
+        );
         Self {
             axis,
             globals,
@@ -53,6 +60,8 @@ impl<A: Axis> Firmware<A> {
             executed: 0,
             ticks: 0,
             ports: [const { Port::new() }; PORTS],
+            rates,
+            heartbeat: Heartbeat::OFF,
             pending: None,
             upkeep: None,
         }
@@ -81,12 +90,14 @@ impl<A: Axis> Firmware<A> {
 
     fn drive(&mut self, sensed: &A::Sensed) -> A::Drive {
         self.ticks = self.ticks.wrapping_add(1);
+        self.check_heartbeat();
         let mut events = Events::default();
         let drive = self.axis.tick(sensed, &mut events);
         if events != Events::default() {
             self.take_note(events);
         }
         self.report_position_reached();
+        self.settle_rates();
         drive
     }
 
@@ -94,7 +105,17 @@ impl<A: Axis> Firmware<A> {
     /// [`Firmware::quiet_ticks`] of them.
     #[must_use]
     pub fn is_idle(&self, sensed: &A::Sensed) -> bool {
-        self.pending.is_none() && self.program_rests() && self.axis.is_idle(sensed)
+        self.pending.is_none()
+            && self.program_rests()
+            && self.line_quiet_ticks() > 0
+            && self.axis.is_idle(sensed)
+    }
+
+    /// Control periods until the program, the axis or a line goes on by itself, while [`Firmware::is_idle`]: a reply may leave
+    /// at the end of the one after them, when its pause is over.
+    #[must_use]
+    pub fn quiet_ticks(&self) -> u64 {
+        self.program_quiet_ticks().min(self.axis.quiet_ticks()).min(self.line_quiet_ticks())
     }
 
     /// Lets `ticks` control periods pass in which nothing changes ([`Firmware::is_idle`]).
@@ -104,39 +125,64 @@ impl<A: Axis> Firmware<A> {
         self.pass_timers();
     }
 
-    /// How long every port's line may be silent within a datagram before what came of it is dropped; 100 ms by default.
-    ///
-    /// Where time does not run as fast as the clients' does, 100 ms of theirs are another number of ticks.
-    pub fn set_silence(&mut self, ticks: u64) {
-        for port in &mut self.ports {
-            port.silence_ticks = ticks;
-        }
-    }
-
     /// How many instructions of a program a control period executes; 1 by default (decision: the manuals are silent).
     pub fn set_instructions_per_tick(&mut self, instructions: u16) {
         self.instructions_per_tick = instructions;
     }
 
-    /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later.
+    /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later. A
+    /// line that is not listened to (global parameter 88), or carries frames, takes everything and heeds nothing.
     ///
     /// Bounded work: at most what the inbox holds is executed, seven requests.
     #[must_use]
     pub fn receive(&mut self, port: PortId, byte: u8) -> bool {
+        if !self.hears(port, |line| line != Line::Can) {
+            return true;
+        }
         let taken = self.port_mut(port).is_some_and(|port| port.push(byte));
         self.serve(port);
         taken
     }
 
-    /// The next byte that leaves a port.
-    pub fn transmit(&mut self, port: PortId) -> Option<u8> {
-        self.port_mut(port)?.pop()
+    /// A frame arrives at a port. False when the port has no room for it now. A line that is not listened to, or carries
+    /// bytes, takes everything and heeds nothing.
+    ///
+    /// Bounded work: at most what the inbox holds is executed, six requests.
+    #[must_use]
+    pub fn receive_frame(&mut self, port: PortId, frame: &can::Frame) -> bool {
+        if !self.hears(port, |line| line == Line::Can) {
+            return true;
+        }
+        let taken = self.port_mut(port).is_some_and(|port| port.push_frame(frame));
+        self.serve(port);
+        taken
     }
 
-    /// Whether bytes wait to leave a port.
+    /// The next byte that leaves a port; none during the pause of global parameter 75.
+    pub fn transmit(&mut self, port: PortId) -> Option<u8> {
+        let ticks = self.ticks;
+        let byte = self.port_mut(port)?.pop(ticks);
+        self.settle_rates();
+        byte
+    }
+
+    /// The next frame that leaves a port.
+    pub fn transmit_frame(&mut self, port: PortId) -> Option<can::Frame> {
+        let frame = self.port_mut(port)?.pop_frame();
+        self.settle_rates();
+        frame
+    }
+
+    /// Whether bytes may leave a port now.
     #[must_use]
     pub fn has_output(&self, port: PortId) -> bool {
-        self.ports.get(port.index()).is_some_and(Port::has_output)
+        self.ports.get(port.index()).is_some_and(|port| port.has_output(self.ticks))
+    }
+
+    /// Whether frames may leave a port now.
+    #[must_use]
+    pub fn has_frame(&self, port: PortId) -> bool {
+        self.ports.get(port.index()).is_some_and(Port::has_frame)
     }
 
     /// The client at a port went away: what it left half-said or unread is forgotten.
@@ -148,6 +194,7 @@ impl<A: Axis> Firmware<A> {
         if let Some(pending) = self.pending.as_mut().filter(|pending| pending.port == port) {
             pending.envelope.answer = false;
         }
+        self.settle_rates();
     }
 
     /// The axis, for those who look on.
@@ -167,103 +214,12 @@ impl<A: Axis> Firmware<A> {
         Some(self.globals.peek(parameter, self.ticks, self.program_status()))
     }
 
-    fn port_mut(&mut self, port: PortId) -> Option<&mut Port> {
+    /// Whether somebody listens at a port, which has a line of some kind.
+    fn hears(&self, port: PortId, kind: impl Fn(Line) -> bool) -> bool {
+        self.ports.get(port.index()).is_some_and(|port| kind(port.line) && self.listens_to(port.line))
+    }
+
+    pub(crate) fn port_mut(&mut self, port: PortId) -> Option<&mut Port> {
         self.ports.get_mut(port.index())
     }
-
-    /// Executes what waits in a port's inbox, until a request has to wait for the storage.
-    pub(crate) fn serve(&mut self, port: PortId) {
-        while !self.has_background_work() {
-            let address = self.globals.byte(GlobalParameter::SerialAddress);
-            let secondary = self.globals.byte(GlobalParameter::SerialSecondaryAddress);
-            let ticks = self.ticks;
-            let event = self.port_mut(port).and_then(|port| port.next_event(ticks, address, secondary));
-            match event {
-                None => break,
-                Some(Event::WrongChecksum) => {
-                    let envelope = self.envelope(address, false);
-                    self.answer(port, envelope, Reply::WRONG_CHECKSUM);
-                }
-                Some(Event::Request { address, request }) => self.serve_request(port, address, &request),
-            }
-        }
-    }
-
-    fn serve_request(&mut self, port: PortId, address: u8, request: &Request) {
-        let envelope = self.envelope(address, is_suppress_reply(request));
-        let reply = |status, value| Reply { status, command: request.command, value };
-        match self.execute(request, Origin::Host(port)) {
-            Err(status) => self.answer(port, envelope, reply(status, 0)),
-            Ok(Outcome::Done(value)) => self.answer(port, envelope, reply(Status::Ok, value)),
-            Ok(Outcome::VersionString) => {
-                if let Some(port) = self.port_mut(port) {
-                    port.version_string(envelope, A::SPEC.version_string);
-                }
-            }
-            Ok(Outcome::AwaitPosition) => {
-                self.answer(port, envelope, reply(Status::Ok, POSITION_REACHED_MASK));
-                if let Some(port) = self.port_mut(port).filter(|_| envelope.answer) {
-                    port.awaits_position = port.awaits_position.saturating_add(1);
-                }
-                self.report_position_reached();
-            }
-            Ok(Outcome::Instruction(instruction)) => {
-                if let Some(port) = self.port_mut(port) {
-                    port.instruction(envelope, instruction);
-                }
-            }
-            Ok(Outcome::Silence) => {}
-            Ok(Outcome::SilentJob(job)) => {
-                let envelope = Envelope { answer: false, ..envelope };
-                self.pending = Some(Pending { port, envelope, reply: reply(Status::Ok, 0), job });
-            }
-            Ok(Outcome::Job(job, value)) => {
-                self.pending = Some(Pending { port, envelope, reply: reply(Status::Ok, value), job });
-            }
-            Ok(Outcome::Loaded(job, value)) => {
-                self.pending = Some(Pending { port, envelope, reply: reply(Status::Loaded, value), job });
-            }
-        }
-    }
-
-    fn envelope(&self, address: u8, always: bool) -> Envelope {
-        let module = self.globals.byte(GlobalParameter::SerialAddress);
-        let suppressed = self.globals.setting(GlobalParameter::SuppressReply) != 0;
-        Envelope {
-            host: self.globals.byte(GlobalParameter::HostAddress),
-            module,
-            answer: address == module && (always || !suppressed),
-        }
-    }
-
-    pub(crate) fn answer(&mut self, port: PortId, envelope: Envelope, reply: Reply) {
-        if let Some(port) = self.port_mut(port) {
-            port.reply(envelope, reply);
-        }
-    }
-
-    /// The second reply of command 138 (TMCM-1311 §5.7.37), one for each request, under the addresses that count by now.
-    pub(crate) fn report_position_reached(&mut self) {
-        if self.ports.iter().all(|port| port.awaits_position == 0) || !self.axis.is_position_reached() {
-            return;
-        }
-        let envelope = self.envelope(self.globals.byte(GlobalParameter::SerialAddress), false);
-        let reply = Reply {
-            status: Status::Delayed,
-            command: Command::RequestPositionReachedEvent.number(),
-            value: POSITION_REACHED_MASK,
-        };
-        for port in &mut self.ports {
-            while port.awaits_position > 0 && port.has_room() {
-                port.reply(envelope, reply);
-                port.awaits_position -= 1;
-            }
-        }
-    }
-}
-
-/// SGP 255, 0 is answered even while it suppresses every other reply, or nobody could see it end.
-fn is_suppress_reply(request: &Request) -> bool {
-    let (bank, number) = GlobalParameter::SuppressReply.address();
-    request.command == Command::SetGlobalParameter.number() && request.kind == number && request.motor == bank
 }

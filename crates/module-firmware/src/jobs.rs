@@ -6,9 +6,10 @@ use tmcl_wire::Reply;
 
 use crate::application::{ProgramJob, Refusal};
 use crate::axis::Axis;
+use crate::envelope::Envelope;
 use crate::firmware::Firmware;
 use crate::globals::VARIABLE_BANK;
-use crate::port::{Envelope, Port, PortId};
+use crate::port::PortId;
 use crate::program_memory::{Instruction, ProgramMemory};
 use crate::storage::{RecordKey, Storage, StorageError, read_value, write_value};
 
@@ -70,6 +71,7 @@ impl<A: Axis> Firmware<A> {
             PortId::ALL.into_iter().for_each(|port| self.serve(port));
             // Events that found no room may find some now.
             self.report_position_reached();
+            self.settle_rates();
         }
         self.has_background_work()
     }
@@ -87,6 +89,7 @@ impl<A: Axis> Firmware<A> {
             Ok(Progress::Done) => self.answer(port, envelope, reply),
             Ok(Progress::Restart) => {
                 self.answer(port, envelope, reply);
+                self.rates.await_port(port);
                 self.restart(storage);
             }
             Err(_) => {
@@ -145,11 +148,11 @@ impl<A: Axis> Firmware<A> {
         Ok(Progress::Done)
     }
 
-    /// As after power-on, but for replies that are still on their way out.
+    /// As after power-on, but for replies that are still on their way out and the rates they leave at.
     fn restart<S: Storage>(&mut self, storage: &mut S) {
         let mut ports = self.ports.clone();
-        ports.iter_mut().for_each(Port::restart);
-        let instructions_per_tick = self.instructions_per_tick;
-        *self = Self { ports, instructions_per_tick, ..Self::power_on(storage) };
+        ports.iter_mut().for_each(|port| port.restart(self.ticks));
+        let (rates, instructions_per_tick) = (self.rates, self.instructions_per_tick);
+        *self = Self { ports, rates, instructions_per_tick, ..Self::power_on(storage) };
     }
 }

@@ -33,6 +33,7 @@ impl<A: Axis> Firmware<A> {
         if firmware.globals.setting(GlobalParameter::AutoStart) != 0 {
             firmware.vm.run_from(0);
         }
+        firmware.restart_heartbeat();
         firmware
     }
 
