@@ -1,5 +1,7 @@
 //! A module on a board: control periods, bytes, and work in the background.
 
+use core::mem::MaybeUninit;
+
 use module_firmware::{Axis, Firmware, PortId};
 
 use crate::psram;
@@ -22,12 +24,15 @@ pub trait PowerStage {
 /// The port that is UART 0.
 const TMCL: PortId = PortId::ALL[0];
 
-/// Runs a module for ever.
-pub fn run<A: Axis>(mut stage: impl PowerStage<Sensed = A::Sensed, Drive = A::Drive>) -> ! {
+/// Runs a module for ever. It lives in `place`, for it is too large for a stack.
+pub fn run<A: Axis>(
+    place: &'static mut MaybeUninit<Firmware<A>>,
+    mut stage: impl PowerStage<Sensed = A::Sensed, Drive = A::Drive>,
+) -> ! {
     let mut uart = Uart::tmcl();
     let instructions = A::SPEC.program_memory;
     let Ok(mut media) = psram::open(instructions) else { unusable() };
-    let mut firmware = Firmware::<A>::power_on(&mut media);
+    let firmware = place.write(Firmware::power_on(&mut media));
     let mut periods = ControlPeriods::begin();
     loop {
         if periods.is_over() {

@@ -8,6 +8,7 @@ use core::ops::Range;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use embedded_storage::{ReadStorage, Storage};
+use module_firmware::{ERASED, Instruction, ProgramMemory, StorageError};
 use module_storage::ModuleStorage;
 
 /// Where the PSRAM lies (Arm DAI 0385, memory map).
@@ -27,10 +28,34 @@ pub type Media = ModuleStorage<Flash, Eeprom>;
 /// Opens the media of a module with a program memory of so many instructions.
 ///
 /// # Errors
-/// [`module_firmware::StorageError`] when the program memory is too large for the EEPROM.
-pub fn open(instructions: u16) -> Result<Media, module_firmware::StorageError> {
+/// [`StorageError`] when the program memory is too large for the EEPROM.
+pub fn open(instructions: u16) -> Result<Media, StorageError> {
     const PAGES: Range<u32> = 0..FLASH_BYTES as u32;
     ModuleStorage::open(Flash(()), PAGES, Eeprom(()), instructions)
+}
+
+/// A program memory of `N` instructions that is executed where it is stored: this memory is as fast as any.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InPlacePrograms<const N: u16>;
+
+impl<const N: u16> ProgramMemory for InPlacePrograms<N> {
+    fn length(&self) -> u16 {
+        N
+    }
+
+    fn get(&self, address: u16) -> Option<Instruction> {
+        (address < N).then(|| module_storage::read_instruction(&mut Eeprom(()), address).unwrap_or(ERASED))
+    }
+
+    /// The storage has written it.
+    fn set(&mut self, _: u16, _: Instruction) {}
+
+    /// The storage erases it: this medium never fails.
+    fn erase(&mut self) {}
+
+    fn restore<S: module_firmware::Storage>(&mut self, _: &mut S) -> Result<(), StorageError> {
+        Ok(())
+    }
 }
 
 /// The flash: 16 KiB in four pages.

@@ -3,7 +3,7 @@
 //! Records go to NOR flash, which wears and can only be erased in pages; `sequential-storage` writes them one behind the
 //! other and moves what is still good when a page is full. The program goes to a region that can be written byte by byte: an
 //! EEPROM, FRAM, or a flash behind a driver that makes it look so. Each instruction has two places there, and the one that
-//! stands is never touched while the other is written ([`program`]). Power may fail before, within and after any write.
+//! stands is never touched while the other is written. Power may fail before, within and after any write.
 //!
 //! This crate must never know which media it writes to, nor what a record means. It allocates nothing.
 #![no_std]
@@ -12,7 +12,8 @@
 
 mod blocking;
 mod header;
-pub mod program;
+mod in_place;
+mod program;
 mod records;
 
 use core::ops::Range;
@@ -21,8 +22,18 @@ use embedded_storage::Storage as ByteStorage;
 use embedded_storage::nor_flash::NorFlash;
 use module_firmware::{Instruction, RecordKey, Storage, StorageError};
 
+pub use in_place::InPlace;
+
 use header::{Header, Part};
 use records::Records;
+
+/// The instruction at an address of the program in an EEPROM that [`ModuleStorage`] writes, for those who execute it in place.
+///
+/// # Errors
+/// [`StorageError::Medium`] where the medium fails, or ends before the address.
+pub fn read_instruction(eeprom: &mut impl ByteStorage, address: u16) -> Result<Instruction, StorageError> {
+    program::read(eeprom, address)
+}
 
 /// Records in NOR flash `F`, the program in `E`, which is written byte by byte.
 pub struct ModuleStorage<F: NorFlash, E: ByteStorage> {

@@ -25,7 +25,12 @@ struct Board {
 impl Board {
     fn new(blank: u8) -> Self {
         let eeprom = ModuleStorage::<Flash, Eeprom>::eeprom_bytes(INSTRUCTIONS) as usize;
-        Self { flash: vec![blank; PAGE * PAGES], eeprom: vec![blank; eeprom], writes_left: u64::MAX, writes: 0 }
+        Self {
+            flash: vec![blank; PAGE * PAGES],
+            eeprom: vec![blank; eeprom],
+            writes_left: u64::MAX,
+            writes: 0,
+        }
     }
 
     /// Whether there is power for one more write.
