@@ -17,6 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-vm", &["tmcl-tables", "tmcl-wire"]),
     ("tmcl-lang", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
+    ("bench-hardware", &["module-firmware", "driver-chips", "motor-physics"]),
     ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
     ("tmcl-link", &[]),
     ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
@@ -33,6 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-bench",
         ],
     ),
+    ("emulated-module", &["module-firmware", "virtual-bench"]),
     ("xtask", &[]),
 ];
 
@@ -45,6 +47,7 @@ const NO_STD: &[&str] = &[
     "tmcl-wire",
     "tmcl-vm",
     "module-firmware",
+    "bench-hardware",
 ];
 
 /// What the `no_std` crates may import from outside.

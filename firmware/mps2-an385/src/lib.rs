@@ -7,14 +7,22 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 #![warn(missing_docs)]
 
+mod bench;
 mod memory;
 mod module;
 pub mod psram;
+pub mod stack;
 pub mod systick;
 pub mod uart;
 
+pub use bench::run_bench;
 pub use memory::Exchange;
 pub use module::{PowerStage, run};
+
+/// The parts of a standard bench are not to be had, which cannot happen: it stays without power.
+pub fn without_parts() -> ! {
+    module::unusable()
+}
 
 /// What cannot happen: nothing here or in the crates below panics, and `cargo xtask firmware` looks for it in the image. The
 /// power stage of a real board goes off here.

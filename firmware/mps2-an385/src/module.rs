@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use module_firmware::{Axis, Firmware, PortId};
 
-use crate::psram;
+use crate::psram::{self, Media};
 use crate::systick::ControlPeriods;
 use crate::uart::Uart;
 
@@ -32,7 +32,7 @@ pub fn run<A: Axis>(
     let mut uart = Uart::tmcl();
     let instructions = A::SPEC.program_memory;
     let Ok(mut media) = psram::open(instructions) else { unusable() };
-    let firmware = place.write(Firmware::power_on(&mut media));
+    let firmware = power_on(place, &mut media);
     let mut periods = ControlPeriods::begin();
     loop {
         if periods.is_over() {
@@ -52,8 +52,17 @@ pub fn run<A: Axis>(
     }
 }
 
+/// Power-on. By itself, so that what it needs of the stack is given back.
+#[inline(never)]
+pub(crate) fn power_on<'a, A: Axis>(
+    place: &'a mut MaybeUninit<Firmware<A>>,
+    media: &mut Media,
+) -> &'a mut Firmware<A> {
+    place.write(Firmware::power_on(media))
+}
+
 /// The media are too small for the module, which is a mistake of who put them together: it stays without power.
-fn unusable() -> ! {
+pub(crate) fn unusable() -> ! {
     loop {
         cortex_m::asm::wfi();
     }
