@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use tmcl_lang::{NoIncludes, SourceFile, assemble, disassemble, format, lint};
+use tmcl_lang::{NoIncludes, SourceFile, assemble, assemble_commands, disassemble, format, lint};
 
 fn source(bytes: Vec<u8>) -> SourceFile {
     SourceFile { name: "fuzz.tmc".to_owned(), bytes, builtin: false }
@@ -13,6 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let formatted = format(bytes);
     assert_eq!(format(&formatted), formatted);
     let assembly = assemble(source(bytes.to_vec()), None, &mut NoIncludes);
+    assemble_commands(source(bytes.to_vec()), assembly.program.module, &mut NoIncludes);
     if assembly.has_errors() {
         return;
     }

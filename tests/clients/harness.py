@@ -31,9 +31,9 @@ PATIENCE_S = 20.0
 #: Command 136, type 1: module number, major and minor version (decisions §1.5).
 VERSION_NUMBER = 0x051F_010B
 
-INTERFACES = {"tcp": "socket_serial_tmcl", "pty": "serial_tmcl"}
+INTERFACES = {"tcp": "socket_serial_tmcl", "pty": "serial_tmcl", "slcan": "slcan_tmcl"}
 
-LISTENING = re.compile(r"listening (tcp|pty) (\S+)")
+LISTENING = re.compile(r"listening (tcp|pty|slcan) (\S+)")
 
 
 def binary() -> Path:
@@ -133,10 +133,10 @@ class Raw:
 
 
 class Server:
-    """A running `tmcl serve`."""
+    """A running `tmcl serve`, with one module or several, `tmcm-1311@1 tmcm-1640@2`."""
 
     def __init__(self, *arguments: str, module: str = "tmcm-1311") -> None:
-        command = [str(binary()), "serve", module, *arguments]
+        command = [str(binary()), "serve", *module.split(), *arguments]
         self._stderr = tempfile.TemporaryFile()
         self._process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self._stderr, text=True
@@ -145,7 +145,7 @@ class Server:
         threading.Thread(target=self._read_lines, daemon=True).start()
         self.ports: list[Port] = []
         try:
-            for _ in range(sum(argument in ("--tcp", "--pty") for argument in arguments)):
+            for _ in range(sum(argument in ("--tcp", "--pty", "--slcan") for argument in arguments)):
                 self.ports.append(self._next_port())
         except BaseException:
             self.kill()

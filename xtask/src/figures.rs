@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
 use crate::codegen::Mode;
-use crate::workspace_root;
+use crate::{program, workspace_root};
 
 /// Where the list is, and what its paths start from.
 const FOLDER: &str = "examples/figures";
@@ -51,7 +51,7 @@ struct Figure {
 pub(crate) fn run(mode: Mode) -> Result<()> {
     let root = workspace_root();
     let list = list(&root.join(FOLDER).join("figures.toml"))?;
-    let tmcl = built()?;
+    let tmcl = program::built()?;
     let fresh = root.join("target/figures");
     std::fs::create_dir_all(&fresh)?;
     let drawn = root.join(DRAWN);
@@ -96,21 +96,6 @@ fn parsed(text: &str) -> Result<Vec<Figure>> {
         }
     }
     Ok(list.figure)
-}
-
-/// The command line, built now.
-fn built() -> Result<PathBuf> {
-    let status = Command::new(env!("CARGO"))
-        .args(["build", "--release", "--quiet", "--package", "tmcl"])
-        .current_dir(workspace_root())
-        .status()
-        .context("starting cargo")?;
-    if !status.success() {
-        bail!("tmcl does not build");
-    }
-    let metadata = cargo_metadata::MetadataCommand::new().current_dir(workspace_root()).no_deps().exec()?;
-    let name = format!("tmcl{}", std::env::consts::EXE_SUFFIX);
-    Ok(metadata.target_directory.join("release").join(name).into())
 }
 
 fn draw(tmcl: &Path, figure: &Figure, to: &Path) -> Result<()> {

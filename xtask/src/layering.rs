@@ -18,10 +18,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-lang", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
     ("bench-hardware", &["module-firmware", "driver-chips", "motor-physics"]),
-    ("virtual-bench", &["tmcl-tables", "module-firmware", "driver-chips", "motor-physics"]),
+    (
+        "virtual-bench",
+        &["tmcl-tables", "tmcl-wire", "module-firmware", "bench-hardware", "driver-chips", "motor-physics"],
+    ),
     ("tmcl-link", &[]),
     ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
-    ("tmcl-server", &["virtual-bench"]),
+    ("tmcl-config", &["tmcl-tables"]),
+    ("tmcl-server", &["virtual-bench", "tmcl-link"]),
     (
         "tmcl",
         &[
@@ -30,6 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "tmcl-lang",
             "tmcl-link",
             "tmcl-client",
+            "tmcl-config",
             "tmcl-server",
             "virtual-bench",
         ],

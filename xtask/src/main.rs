@@ -4,6 +4,7 @@
 mod codegen;
 mod figures;
 mod layering;
+mod program;
 mod test;
 
 use std::path::PathBuf;

@@ -6,31 +6,21 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
+use crate::program::{self, PROFILE};
 use crate::{codegen, figures, layering, workspace_root};
 
 /// A step: its name and what it does.
 type Step = (&'static str, fn() -> Result<()>);
-
-/// Their tests run hours of virtual time, at full speed.
-const SYSTEM_TESTED: [&str; 2] = ["motion-control", "virtual-bench"];
 
 const STEPS: &[Step] = &[
     ("format", || cargo(&["fmt", "--all", "--check"])),
     ("layering", layering::run),
     ("clippy", || cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"])),
     ("codegen", || codegen::run(codegen::Mode::Check)),
-    ("tests", || {
-        let others = SYSTEM_TESTED.iter().flat_map(|package| ["--exclude", package]);
-        cargo(&["test", "--workspace", "--all-targets"].into_iter().chain(others).collect::<Vec<_>>())
-    }),
-    ("doc tests", || cargo(&["test", "--workspace", "--doc"])),
+    ("tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--all-targets"])),
+    ("doc tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--doc"])),
     ("documentation", documentation),
-    ("release build", || cargo(&["build", "--release"])),
     ("figures", || figures::run(codegen::Mode::Check)),
-    ("whole-system tests", || {
-        let packages = SYSTEM_TESTED.iter().flat_map(|package| ["--package", package]);
-        cargo(&["test", "--profile", "system-tests"].into_iter().chain(packages).collect::<Vec<_>>())
-    }),
     ("real clients", real_clients),
     ("fuzz", fuzz),
 ];
@@ -86,7 +76,7 @@ fn real_clients() -> Result<()> {
     check(
         Command::new(python)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/clients"])
-            .env("TMCL", workspace_root().join("target/release/tmcl"))
+            .env("TMCL", program::built()?)
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }
@@ -108,13 +98,16 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 7] = [
+const FUZZ_TARGETS: [&str; 10] = [
     "serial_decoder",
     "firmware_bytes",
+    "ascii",
     "program",
     "bench_file",
+    "config_file",
     "expectation",
     "client_replies",
+    "slcan",
     "assembler",
 ];
 

@@ -74,6 +74,15 @@ pub trait Axis: Clone + Default {
     /// # Errors
     /// [`Refused`] when the value is in range but cannot take effect now; then nothing has changed.
     fn set(&mut self, parameter: Self::Parameter, value: i32) -> Result<(), Refused>;
+    /// Puts a parameter back to what is stored, or to its default where nothing is (RSAP). A value that cannot take effect now
+    /// leaves the one that stands, which is what the user had.
+    fn restore(&mut self, parameter: Self::Parameter, stored: Option<i32>, default: i32) {
+        let _ = self.set(parameter, stored.unwrap_or(default));
+    }
+    /// The same at power-on, where every parameter that can be stored is put back, by number.
+    fn restore_at_power_on(&mut self, parameter: Self::Parameter, stored: Option<i32>, default: i32) {
+        self.restore(parameter, stored, default);
+    }
     /// Begins a motion.
     ///
     /// # Errors

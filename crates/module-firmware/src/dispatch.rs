@@ -62,6 +62,8 @@ pub(crate) enum Outcome {
     VersionString,
     /// The reply of command 138, and another when the target position is reached.
     AwaitPosition,
+    /// The port is in ASCII mode after the reply with this value, if it can be.
+    AsciiMode(i32),
     /// Nothing at all.
     Silence,
 }
@@ -142,8 +144,8 @@ impl<A: Axis> Firmware<A> {
             | Command::UserFunction5
             | Command::UserFunction6
             | Command::UserFunction7 => Err(Status::InvalidCommand),
-            // The ASCII interface is still to come (docs/fidelity.md). Flow control is never available to a host, and in a
-            // program it is the interpreter's.
+            Command::EnterAsciiMode => Ok(Outcome::AsciiMode(value)),
+            // Flow control is never available to a host, and in a program it is the interpreter's.
             Command::Compare
             | Command::JumpConditional
             | Command::Jump
@@ -155,8 +157,7 @@ impl<A: Axis> Firmware<A> {
             | Command::Stop
             | Command::ClearErrorFlags
             | Command::SetInterruptVector
-            | Command::ReturnFromInterrupt
-            | Command::EnterAsciiMode => Err(Status::NotAvailable),
+            | Command::ReturnFromInterrupt => Err(Status::NotAvailable),
         }
     }
 

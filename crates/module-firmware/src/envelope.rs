@@ -23,6 +23,8 @@ pub(crate) struct Envelope {
 pub(crate) enum Form {
     /// Nine bytes.
     Datagram { host: u8, module: u8 },
+    /// A line of text.
+    Text { host: u8, module: u8 },
     /// A frame under this identifier, with the low byte of the module's (decision).
     Frame { id: u16, module: u8, length: can::Length },
 }
@@ -35,6 +37,15 @@ impl<A: Axis> Firmware<A> {
         self.envelope(port, address == module, always, Form::Datagram { host, module })
     }
 
+    /// The envelope for a line that came to the letter of a serial address.
+    pub(crate) fn ascii_envelope(&self, port: PortId, address: u8, always: bool) -> Envelope {
+        let envelope = self.serial_envelope(port, address, always);
+        match envelope.form {
+            Form::Datagram { host, module } => Envelope { form: Form::Text { host, module }, ..envelope },
+            Form::Text { .. } | Form::Frame { .. } => envelope,
+        }
+    }
+
     /// The envelope for a frame that came under a CAN identifier.
     pub(crate) fn can_envelope(&self, port: PortId, id: u16, always: bool, length: can::Length) -> Envelope {
         let own = self.can_id(GlobalParameter::CanId);
@@ -45,11 +56,13 @@ impl<A: Axis> Firmware<A> {
 
     /// The envelope for what is said unasked, under the addresses that count by now.
     pub(crate) fn event_envelope(&self, port: PortId) -> Envelope {
+        let address = self.globals.byte(GlobalParameter::SerialAddress);
         match self.ports.get(port.index()) {
             Some(at) if at.line == Line::Can => {
                 self.can_envelope(port, self.can_id(GlobalParameter::CanId), false, at.event_length)
             }
-            _ => self.serial_envelope(port, self.globals.byte(GlobalParameter::SerialAddress), false),
+            Some(at) if at.is_ascii() => self.ascii_envelope(port, address, false),
+            _ => self.serial_envelope(port, address, false),
         }
     }
 

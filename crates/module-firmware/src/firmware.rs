@@ -32,6 +32,8 @@ pub struct Firmware<A: Axis> {
     pub(crate) executed: u16,
     pub(crate) ticks: u64,
     pub(crate) ports: [Port; PORTS],
+    /// Whether ports begin in ASCII mode: bit 0 of global parameter 67 as it was at power-on.
+    pub(crate) starts_in_ascii: bool,
     pub(crate) rates: Rates,
     pub(crate) heartbeat: Heartbeat,
     pub(crate) pending: Option<Pending>,
@@ -57,6 +59,7 @@ impl<A: Axis> Firmware<A> {
             executed: 0,
             ticks: 0,
             ports: [const { Port::new() }; PORTS],
+            starts_in_ascii: false,
             rates,
             heartbeat: Heartbeat::OFF,
             pending: None,
@@ -130,7 +133,7 @@ impl<A: Axis> Firmware<A> {
     /// A byte arrives at a port. False when the port has no room for it now: a UART loses it, USB offers it again later. A
     /// line that is not listened to (global parameter 88), or carries frames, takes everything and heeds nothing.
     ///
-    /// Bounded work: at most what the inbox holds is executed, seven requests.
+    /// Bounded work: at most what the inbox holds is executed, seven datagrams or as many lines as it has ends of lines.
     #[must_use]
     pub fn receive(&mut self, port: PortId, byte: u8) -> bool {
         if !self.hears(port, |line| line != Line::Can) {
@@ -182,11 +185,13 @@ impl<A: Axis> Firmware<A> {
         self.ports.get(port.index()).is_some_and(Port::has_frame)
     }
 
-    /// The client at a port went away: what it left half-said or unread is forgotten.
+    /// The client at a port went away: what it left half-said or unread is forgotten, and the port is in the mode it was in at
+    /// power-on, binary or ASCII (decision).
     pub fn disconnect(&mut self, port: PortId) {
         if let Some(port) = self.port_mut(port) {
             port.clear();
         }
+        self.start_port(port);
         self.end_download(port);
         if let Some(pending) = self.pending.as_mut().filter(|pending| pending.port == port) {
             pending.envelope.answer = false;

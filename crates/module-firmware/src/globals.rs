@@ -17,6 +17,10 @@ const UNLOCK: i32 = 4321;
 /// What parameter 64 reads while the EEPROM holds settings of this firmware.
 pub(crate) const MAGIC: i32 = 228;
 
+/// What a module without global parameters works with: its addresses and the host's (decision: factory settings).
+const FIXED: [(GlobalParameter, i32); 2] =
+    [(GlobalParameter::SerialAddress, 1), (GlobalParameter::HostAddress, 2)];
+
 /// Banks 0, 2 and 3.
 #[derive(Clone, Debug)]
 pub(crate) struct Globals {
@@ -31,6 +35,9 @@ impl Globals {
     /// Factory settings.
     pub(crate) fn new(spec: &ModuleSpec) -> Self {
         let mut values = Values::zero();
+        for (parameter, factory) in FIXED {
+            values.set(parameter.index(), factory);
+        }
         for parameter in GlobalParameter::ALL {
             let (bank, number) = parameter.address();
             if let Some(entry) = spec.global_parameter(bank, number) {

@@ -6,6 +6,7 @@ use crate::TICKS_PER_MS;
 use crate::axis::{Axis, Motion};
 use crate::firmware::Firmware;
 use crate::line::Line;
+use crate::port::PortId;
 
 /// When the motor is stopped unless a request comes before.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,14 @@ impl Heartbeat {
 }
 
 impl<A: Axis> Firmware<A> {
-    /// A request for this module came over RS485, or the time was set: it begins anew.
+    /// A request or a line for this module came to a serial port.
+    pub(crate) fn note_serial_request(&mut self, port: PortId) {
+        if self.ports.get(port.index()).is_some_and(|port| port.line == Line::Rs485) {
+            self.restart_heartbeat();
+        }
+    }
+
+    /// It begins anew.
     pub(crate) fn restart_heartbeat(&mut self) {
         let ms = u64::try_from(self.globals.setting(GlobalParameter::SerialHeartbeat)).unwrap_or(0);
         let expires_at = if ms == 0 { u64::MAX } else { self.ticks.saturating_add(ms * TICKS_PER_MS) };

@@ -11,6 +11,7 @@
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod application;
+mod ascii;
 mod axis;
 mod coordinates;
 mod dispatch;
@@ -29,6 +30,7 @@ mod program_memory;
 mod ring;
 mod service;
 mod storage;
+pub mod tmcm_1076;
 pub mod tmcm_1311;
 pub mod tmcm_1640;
 mod values;

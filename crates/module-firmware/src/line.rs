@@ -62,10 +62,11 @@ impl Rates {
 impl<A: Axis> Firmware<A> {
     /// Says what kind of line is at a port; a USB stream by default. Told after power-on, kept when the module starts anew by
     /// itself. What the port had half heard or not yet said is forgotten when the kind changes.
-    pub fn set_line(&mut self, port: PortId, line: Line) {
-        if let Some(port) = self.port_mut(port).filter(|port| port.line != line) {
+    pub fn set_line(&mut self, id: PortId, line: Line) {
+        if let Some(port) = self.port_mut(id).filter(|port| port.line != line) {
             port.line = line;
             port.clear();
+            self.start_port(id);
         }
         self.restart_heartbeat();
     }

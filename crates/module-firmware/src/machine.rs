@@ -63,6 +63,7 @@ impl<A: Axis> Machine for Firmware<A> {
             | Outcome::Instruction(_)
             | Outcome::VersionString
             | Outcome::AwaitPosition
+            | Outcome::AsciiMode(_)
             | Outcome::Silence => Err(Status::NotAvailable),
         }
     }

@@ -1,6 +1,10 @@
 //! The module's ports: each keeps what came in until it is served, and what is said until it leaves.
 
+mod typing;
+
+use tmcl_wire::ascii::{self, CommandLine};
 use tmcl_wire::{Decoder, Listener, Reply, can, serial};
+pub(crate) use typing::Ear;
 
 use crate::envelope::{Envelope, Form};
 use crate::line::Line;
@@ -12,6 +16,12 @@ pub const PORTS: usize = 4;
 
 /// Bytes of a frame in an inbox or outbox: identifier, length, and what it carries.
 const FRAME_LENGTH: usize = 3 + can::Data::MAX_LENGTH;
+
+/// Bytes that an inbox and an outbox hold.
+const INBOX: usize = 64;
+const OUTBOX: usize = 128;
+
+const _: () = assert!(2 * FRAME_LENGTH <= OUTBOX);
 
 /// Names a port: 0 to 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,9 +43,11 @@ impl PortId {
 pub(crate) struct Port {
     pub(crate) line: Line,
     decoder: Decoder,
+    /// The line that is being typed, in ASCII mode.
+    typed: Option<CommandLine>,
     /// What waits until a storage job is done or replies have left.
-    inbox: Ring<64>,
-    outbox: Ring<128>,
+    inbox: Ring<INBOX>,
+    outbox: Ring<OUTBOX>,
     /// The tick before which nothing leaves.
     quiet_until: u64,
     /// How long the line may be silent within a datagram, where the surroundings said so.
@@ -51,6 +63,7 @@ impl Port {
         Self {
             line: Line::Usb,
             decoder: Decoder::new(),
+            typed: None,
             inbox: Ring::new(),
             outbox: Ring::new(),
             quiet_until: 0,
@@ -122,6 +135,9 @@ impl Port {
             Form::Datagram { host, module } => {
                 self.send(envelope, &serial::encode_reply(host, module, reply))
             }
+            Form::Text { host, module } => {
+                self.send(envelope, ascii::encode_reply(host, module, reply).as_slice())
+            }
             Form::Frame { id, module, length } => {
                 self.send_frame(envelope, id, can::encode_reply(module, reply, length))
             }
@@ -136,6 +152,8 @@ impl Port {
                 self.send(envelope, &serial::encode_version_string(host, characters))
             }
             Form::Frame { id, .. } => self.send_frame(envelope, id, can::encode_version_string(characters)),
+            // No line asks for it.
+            Form::Text { .. } => true,
         }
     }
 
@@ -148,6 +166,8 @@ impl Port {
             Form::Frame { id, length, .. } => {
                 self.send_frame(envelope, id, can::encode_instruction(instruction, length))
             }
+            // No line asks for it.
+            Form::Text { .. } => true,
         }
     }
 
@@ -159,6 +179,7 @@ impl Port {
     /// Forgets what came in, and keeps what is to go out.
     pub(crate) fn forget_input(&mut self) {
         self.decoder.reset();
+        self.forget_line();
         self.inbox.clear();
         self.awaits_position = 0;
     }
@@ -177,7 +198,11 @@ impl Port {
         if self.outbox.room() < bytes.len() {
             return false;
         }
-        self.begin(envelope.ready_at);
+        self.say(envelope.ready_at, bytes)
+    }
+
+    fn say(&mut self, ready_at: u64, bytes: &[u8]) -> bool {
+        self.begin(ready_at);
         bytes.iter().all(|byte| self.outbox.push(*byte))
     }
 

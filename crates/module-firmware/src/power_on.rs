@@ -42,6 +42,7 @@ impl<A: Axis> Firmware<A> {
             executed,
             ticks,
             ports,
+            starts_in_ascii: _,
             rates: _,
             heartbeat: _,
             pending,
@@ -63,7 +64,11 @@ impl<A: Axis> Firmware<A> {
         self.globals = restored_globals::<A, S>(storage);
         self.coordinates = restored_coordinates(&self.globals, storage);
         for parameter in A::SPEC.axis_parameters.iter().filter(|parameter| parameter.access.store) {
-            self.restore_axis_parameter(parameter.number, storage);
+            if let Some((parameter, stored, default)) =
+                stored_axis_parameter::<A, S>(parameter.number, storage)
+            {
+                self.axis.restore_at_power_on(parameter, stored, default);
+            }
         }
         self.axis.set_end_switch_polarity(self.globals.setting(GlobalParameter::EndSwitchPolarity) != 0);
         // A program that cannot be read is none: all STOP.
@@ -74,16 +79,26 @@ impl<A: Axis> Firmware<A> {
             self.vm.run_from(0);
         }
         self.restart_heartbeat();
+        self.start_ports();
     }
 
     /// Puts a stored axis parameter back, or its default where none is stored or what is stored is out of range.
     pub(crate) fn restore_axis_parameter<S: Storage>(&mut self, number: u8, storage: &mut S) {
-        let Some(spec) = A::SPEC.axis_parameter(number) else { return };
-        let Ok(parameter) = A::Parameter::try_from(number) else { return };
-        let stored = read_value(storage, RecordKey::Axis(number)).filter(|value| is_possible(spec, *value));
-        // A refusal leaves the value that stands, which is what the user had.
-        let _ = self.axis.set(parameter, stored.unwrap_or(spec.default_bits()));
+        if let Some((parameter, stored, default)) = stored_axis_parameter::<A, S>(number, storage) {
+            self.axis.restore(parameter, stored, default);
+        }
     }
+}
+
+/// An axis parameter with what is stored of it, if that is in range, and its default.
+fn stored_axis_parameter<A: Axis, S: Storage>(
+    number: u8,
+    storage: &mut S,
+) -> Option<(A::Parameter, Option<i32>, i32)> {
+    let spec = A::SPEC.axis_parameter(number)?;
+    let parameter = A::Parameter::try_from(number).ok()?;
+    let stored = read_value(storage, RecordKey::Axis(number)).filter(|value| is_possible(spec, *value));
+    Some((parameter, stored, spec.default_bits()))
 }
 
 fn is_possible(spec: &ParameterSpec, bits: i32) -> bool {

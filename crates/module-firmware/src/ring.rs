@@ -1,7 +1,7 @@
 //! A queue of bytes in fixed memory.
 
 /// Up to `N` bytes, first in, first out.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Ring<const N: usize> {
     bytes: [u8; N],
     start: usize,
@@ -33,8 +33,13 @@ impl<const N: usize> Ring<N> {
         true
     }
 
+    /// The byte that is next.
+    pub(crate) fn peek(&self) -> Option<u8> {
+        self.bytes.get(self.start).copied().filter(|_| self.length > 0)
+    }
+
     pub(crate) fn pop(&mut self) -> Option<u8> {
-        let byte = self.bytes.get(self.start).copied().filter(|_| self.length > 0)?;
+        let byte = self.peek()?;
         self.start = (self.start + 1) % N;
         self.length -= 1;
         Some(byte)
@@ -42,6 +47,13 @@ impl<const N: usize> Ring<N> {
 
     pub(crate) fn clear(&mut self) {
         self.length = 0;
+    }
+}
+
+impl<const N: usize> core::fmt::Debug for Ring<N> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let bytes = self.bytes.iter().cycle().skip(self.start).take(self.length);
+        f.debug_list().entries(bytes).finish()
     }
 }
 

@@ -20,10 +20,11 @@ impl<A: Axis> Firmware<A> {
 
     /// Executes the next request; false when none waits.
     fn serve_next(&mut self, port: PortId) -> bool {
-        match self.ports.get(port.index()).map(|port| port.line) {
+        match self.ports.get(port.index()).map(|port| (port.line, port.is_ascii())) {
             None => false,
-            Some(Line::Can) => self.serve_frame(port),
-            Some(Line::Usb | Line::Rs485) => self.serve_datagram(port),
+            Some((Line::Can, _)) => self.serve_frame(port),
+            Some((Line::Usb | Line::Rs485, true)) => self.serve_line(port),
+            Some((Line::Usb | Line::Rs485, false)) => self.serve_datagram(port),
         }
     }
 
@@ -62,14 +63,7 @@ impl<A: Axis> Firmware<A> {
         true
     }
 
-    /// A request for this module came to a serial port.
-    fn note_serial_request(&mut self, port: PortId) {
-        if self.ports.get(port.index()).is_some_and(|port| port.line == Line::Rs485) {
-            self.restart_heartbeat();
-        }
-    }
-
-    fn serve_request(&mut self, port: PortId, envelope: Envelope, request: &Request) {
+    pub(crate) fn serve_request(&mut self, port: PortId, envelope: Envelope, request: &Request) {
         let reply = |status, value| Reply { status, command: request.command, value };
         let executed = self.execute(request, Origin::Host(port));
         self.rates.await_port(port);
@@ -91,6 +85,7 @@ impl<A: Axis> Firmware<A> {
                     port.instruction(envelope, instruction);
                 }
             }
+            Ok(Outcome::AsciiMode(value)) => self.enter_ascii(port, envelope, reply(Status::Ok, value)),
             Ok(Outcome::Silence) => {}
             Ok(Outcome::SilentJob(job)) => {
                 let envelope = Envelope { answer: false, ..envelope };

@@ -1,67 +1,15 @@
 //! Programs on bare firmware: a debugger that looks on changes nothing, and a storage that fails gives nothing away.
 
-use std::collections::BTreeMap;
+mod common;
 
+use common::Memory;
 use module_firmware::tmcm_1311::{Sensed, Tmcm1311};
-use module_firmware::{
-    Breakpoints, ERASED, Firmware, Halted, Instruction, PortId, RecordKey, Storage, StorageError,
-};
+use module_firmware::{Breakpoints, Firmware, Halted, PortId};
 use proptest::prelude::*;
 use tmcl_tables::{Command, Status};
 use tmcl_wire::{Request, serial};
 
 const PORT: PortId = PortId::ALL[0];
-
-/// A storage in memory, which fails when told to.
-#[derive(Clone, Debug, Default)]
-struct Memory {
-    records: BTreeMap<u16, Vec<u8>>,
-    program: BTreeMap<u16, Instruction>,
-    erasing_fails: bool,
-    writing_fails: bool,
-}
-
-impl Storage for Memory {
-    fn read(&mut self, key: RecordKey, out: &mut [u8]) -> Result<usize, StorageError> {
-        let Some(record) = self.records.get(&key.to_u16()) else { return Ok(0) };
-        out[..record.len()].copy_from_slice(record);
-        Ok(record.len())
-    }
-
-    fn write(&mut self, key: RecordKey, value: &[u8]) -> Result<(), StorageError> {
-        if self.writing_fails {
-            return Err(StorageError::Full);
-        }
-        self.records.insert(key.to_u16(), value.to_vec());
-        Ok(())
-    }
-
-    fn erase(&mut self) -> Result<(), StorageError> {
-        self.records.clear();
-        Ok(())
-    }
-
-    fn read_program(&mut self, out: &mut [Instruction]) -> Result<(), StorageError> {
-        out.fill(ERASED);
-        for (address, instruction) in &self.program {
-            out[usize::from(*address)] = *instruction;
-        }
-        Ok(())
-    }
-
-    fn write_instruction(&mut self, address: u16, instruction: Instruction) -> Result<(), StorageError> {
-        self.program.insert(address, instruction);
-        Ok(())
-    }
-
-    fn erase_program(&mut self) -> Result<(), StorageError> {
-        if self.erasing_fails {
-            return Err(StorageError::Medium);
-        }
-        self.program.clear();
-        Ok(())
-    }
-}
 
 /// A module with its storage, and what it answers.
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@ use tmcl_wire::serial::{DATAGRAM_LENGTH, encode_request};
 use tmcl_wire::{Reply, Request};
 
 use crate::answer::{Answer, Question};
+use crate::exchange::Exchange;
 use crate::finder::{Finder, Verdict};
 use crate::repeat::is_repeat_safe;
 use crate::version;
@@ -37,7 +38,7 @@ impl Default for Settings {
     }
 }
 
-/// A host that talks to one module.
+/// A host that talks to one module at a time: [`Client::settings_mut`] turns it to another on the same bus.
 ///
 /// A reply does not say which of two like requests it answers. So when a reply failed to come in time, the next request
 /// waits until it is certain that it will not come any more: the module is asked something else, and answers in order. Where
@@ -47,10 +48,11 @@ pub struct Client<L> {
     link: L,
     settings: Settings,
     module: Option<&'static ModuleSpec>,
-    /// Commands whose replies may still come.
-    owed: BTreeSet<u8>,
-    /// Whether the module may be in download mode.
-    downloading: bool,
+    /// Replies that may still come: the address of the module, and the command.
+    owed: BTreeSet<(u8, u8)>,
+    /// The addresses of modules that may be in download mode.
+    downloading: BTreeSet<u8>,
+    last: Option<Exchange>,
 }
 
 impl<L: Link> Client<L> {
@@ -63,7 +65,7 @@ impl<L: Link> Client<L> {
     /// A host with other settings.
     #[must_use]
     pub fn with_settings(link: L, settings: Settings) -> Self {
-        Self { link, settings, module: None, owed: BTreeSet::new(), downloading: false }
+        Self { link, settings, module: None, owed: BTreeSet::new(), downloading: BTreeSet::new(), last: None }
     }
 
     /// The settings.
@@ -86,6 +88,13 @@ impl<L: Link> Client<L> {
     /// Says which module this is: its tables then say which requests may be sent again.
     pub fn set_module(&mut self, module: Option<&'static ModuleSpec>) {
         self.module = module;
+    }
+
+    /// What went over the line for the last request; nothing before the first. A client that makes certain of what is owed
+    /// to it asks on its own account, and does not tell.
+    #[must_use]
+    pub fn last_exchange(&self) -> Option<&Exchange> {
+        self.last.as_ref()
     }
 
     /// The link.
@@ -116,8 +125,9 @@ impl<L: Link> Client<L> {
     /// # Errors
     /// [`ClientError::Link`] when the link is broken.
     pub fn send(&mut self, request: Request) -> Result<(), ClientError> {
-        self.owed.insert(request.command);
-        Ok(self.write(request)?)
+        self.owe(request.command);
+        self.begin(Exchange::new(request, encode_request(self.settings.module_address, request)));
+        Ok(self.write_begun()?)
     }
 
     /// Sends a request that must be executed, not stored, and returns the reply's value.
@@ -142,8 +152,12 @@ impl<L: Link> Client<L> {
         judge: impl Fn(Question, [u8; DATAGRAM_LENGTH]) -> Verdict<Answer<T>>,
     ) -> Result<T, ClientError> {
         self.settle()?;
-        let was_downloading = self.downloading;
-        self.downloading |= request.command == Command::DownloadStart.number();
+        self.begin(Exchange::new(request, encode_request(self.settings.module_address, request)));
+        let module = self.settings.module_address;
+        let was_downloading = self.downloading.contains(&module);
+        if request.command == Command::DownloadStart.number() {
+            self.downloading.insert(module);
+        }
         let attempts = self.attempts(request);
         let mut attempt = 1;
         let outcome = loop {
@@ -156,11 +170,15 @@ impl<L: Link> Client<L> {
         };
         match outcome {
             Ok(Answer::Done(done)) => {
-                self.downloading &= request.command != Command::DownloadEnd.number();
+                if request.command == Command::DownloadEnd.number() {
+                    self.downloading.remove(&module);
+                }
                 Ok(done)
             }
             Ok(Answer::Refused(status)) => {
-                self.downloading = was_downloading;
+                if !was_downloading {
+                    self.downloading.remove(&module);
+                }
                 Err(ClientError::Status { request, status })
             }
             Ok(Answer::Unknown(status)) => Err(ClientError::UnknownStatus { request, status }),
@@ -172,7 +190,7 @@ impl<L: Link> Client<L> {
     }
 
     fn attempts(&self, request: Request) -> u32 {
-        if is_repeat_safe(self.module, request, self.downloading) {
+        if is_repeat_safe(self.module, request, self.downloading.contains(&self.settings.module_address)) {
             self.settings.retries.saturating_add(1)
         } else {
             1
@@ -187,31 +205,64 @@ impl<L: Link> Client<L> {
     ) -> Result<Result<Answer<T>, Heard>, LinkError> {
         let Settings { host_address: host, module_address: module, .. } = self.settings;
         let question = Question { host, module, request };
-        let answer = self.write(request).and_then(|()| self.receive(|bytes| judge(question, bytes)));
+        let timeout = self.settings.timeout;
+        let answer = self.write_begun().and_then(|()| self.receive(timeout, |bytes| judge(question, bytes)));
         if !matches!(answer, Ok(Ok(_))) {
-            self.owed.insert(request.command);
+            self.owe(request.command);
         }
         answer
     }
 
-    fn write(&mut self, request: Request) -> Result<(), LinkError> {
-        self.link.discard_input()?;
-        self.link.write(&encode_request(self.settings.module_address, request))
+    /// Remembers that the module's reply to this command may still come.
+    pub(crate) fn owe(&mut self, command: u8) {
+        self.owed.insert((self.settings.module_address, command));
     }
 
-    fn receive<T>(
+    /// Whether the module at hand owes a reply to any command; others on the bus are known by their address.
+    fn is_owed(&self) -> bool {
+        self.owed.iter().any(|(module, _)| *module == self.settings.module_address)
+    }
+
+    fn forgive(&mut self) {
+        let ours = self.settings.module_address;
+        self.owed.retain(|(module, _)| *module != ours);
+    }
+
+    /// Makes a request the one that goes over the line from now on.
+    pub(crate) fn begin(&mut self, exchange: Exchange) {
+        self.last = Some(exchange);
+    }
+
+    /// Sends the request that was begun, once more.
+    pub(crate) fn write_begun(&mut self) -> Result<(), LinkError> {
+        self.link.discard_input()?;
+        let Some(exchange) = &mut self.last else { return Ok(()) };
+        exchange.attempts += 1;
+        self.link.write(&exchange.sent)
+    }
+
+    /// Waits for an answer while the line is not silent for `timeout`.
+    pub(crate) fn receive<T>(
         &mut self,
+        timeout: Duration,
         judge: impl Fn([u8; DATAGRAM_LENGTH]) -> Verdict<T>,
     ) -> Result<Result<T, Heard>, LinkError> {
         let mut finder = Finder::default();
         while finder.count() < NOISE_LIMIT {
             let mut buffer = [0; DATAGRAM_LENGTH];
             let (room, _) = buffer.split_at_mut(finder.missing());
-            let length = self.link.read(room, self.settings.timeout)?;
+            let length = self.link.read(room, timeout)?;
             if length == 0 {
                 break;
             }
-            if let Some(found) = room.iter().take(length).find_map(|byte| finder.push(*byte, &judge)) {
+            let bytes = room.get(..length).unwrap_or(room);
+            if let Some(exchange) = &mut self.last {
+                exchange.received.extend_from_slice(bytes);
+            }
+            if let Some(found) = bytes.iter().find_map(|byte| finder.push(*byte, &judge)) {
+                if let Some(exchange) = &mut self.last {
+                    exchange.answered = true;
+                }
                 return Ok(Ok(found));
             }
         }
@@ -222,21 +273,22 @@ impl<L: Link> Client<L> {
     ///
     /// Modules answer in order. So a reply to a question that nobody has open says that all earlier ones are through. When
     /// there is no such reply either, the line has been silent for several timeouts, and what was owed is given up.
-    fn settle(&mut self) -> Result<(), LinkError> {
+    pub(crate) fn settle(&mut self) -> Result<(), LinkError> {
         for probe in [version::binary(), Request::new(Command::ApplicationStatus, 0, 0, 0)] {
-            if self.owed.is_empty() {
+            if !self.is_owed() {
                 return Ok(());
             }
-            if self.owed.contains(&probe.command) {
+            if self.owed.contains(&(self.settings.module_address, probe.command)) {
                 continue;
             }
+            self.begin(Exchange::new(probe, encode_request(self.settings.module_address, probe)));
             if self.attempt(probe, Question::reply_to_probe)?.is_ok() {
-                self.owed.clear();
+                self.forgive();
             }
         }
-        if !self.owed.is_empty() {
-            let _ = self.receive(|_| Verdict::<()>::Noise)?;
-            self.owed.clear();
+        if self.is_owed() {
+            let _ = self.receive(self.settings.timeout, |_| Verdict::<()>::Noise)?;
+            self.forgive();
         }
         Ok(())
     }

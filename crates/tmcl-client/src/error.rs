@@ -8,6 +8,7 @@ use tmcl_tables::{STATUSES, Status};
 use tmcl_wire::Request;
 
 use crate::Described;
+use crate::exchange::hexadecimal;
 
 /// Why a call did not do what it should.
 #[derive(Debug, thiserror::Error)]
@@ -165,10 +166,6 @@ fn status_text(status: Status) -> String {
 
 fn still_downloading(ended: bool) -> &'static str {
     if ended { "" } else { " (the module may still be in download mode)" }
-}
-
-fn hexadecimal(bytes: &[u8; 7]) -> String {
-    bytes.map(|byte| format!("{byte:02x}")).join(" ")
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ mod resolver;
 mod source;
 pub mod syntax;
 
-pub use assemble::{Assembly, assemble};
+pub use assemble::{Assembly, assemble, assemble_commands};
 pub use builtin::{BUILTIN_INCLUDES, builtin_include};
 pub use code::{Code, UnknownCode};
 pub use diagnostic::{Diagnostic, Label, Severity, Suggestion};

@@ -40,6 +40,34 @@ pub enum LinkError {
         /// The link.
         address: String,
     },
+    /// There are frames, and the caller wants bytes.
+    #[error("{address} is a CAN bus, which carries frames and no bytes")]
+    NoBytes {
+        /// The link.
+        address: String,
+    },
+    /// This system has no such thing.
+    #[error("cannot open {address}: {reason}")]
+    Unsupported {
+        /// The link.
+        address: String,
+        /// What is missing, and what to do instead.
+        reason: &'static str,
+    },
+    /// A CAN adapter says that it will not.
+    #[error("the CAN adapter at {address} refuses to {what}")]
+    Refused {
+        /// The link.
+        address: String,
+        /// What it was asked to do.
+        what: &'static str,
+    },
+    /// The system does not tell which ports there are.
+    #[error("cannot list the ports of this computer: {source}")]
+    List {
+        /// What the system says.
+        source: io::Error,
+    },
     /// The other side closed the connection, or the cable was pulled out.
     #[error("{address} was closed by the other side")]
     Closed {
@@ -90,6 +118,19 @@ impl Errors {
 
     pub(crate) fn in_use(&self) -> LinkError {
         LinkError::InUse { address: self.address.clone() }
+    }
+
+    pub(crate) fn no_bytes(&self) -> LinkError {
+        LinkError::NoBytes { address: self.address.clone() }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub(crate) fn unsupported(&self, reason: &'static str) -> LinkError {
+        LinkError::Unsupported { address: self.address.clone(), reason }
+    }
+
+    pub(crate) fn refused(&self, what: &'static str) -> LinkError {
+        LinkError::Refused { address: self.address.clone(), what }
     }
 
     pub(crate) fn closed(&self) -> LinkError {

@@ -36,6 +36,11 @@ pub trait Link: Send {
         std::thread::sleep(duration);
         Ok(())
     }
+
+    /// Whether time passes here only while somebody waits or reads, as in a simulation.
+    fn has_own_time(&self) -> bool {
+        false
+    }
 }
 
 impl<L: Link + ?Sized> Link for Box<L> {
@@ -54,6 +59,10 @@ impl<L: Link + ?Sized> Link for Box<L> {
     fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
         (**self).wait(duration)
     }
+
+    fn has_own_time(&self) -> bool {
+        (**self).has_own_time()
+    }
 }
 
 impl<L: Link + ?Sized> Link for &mut L {
@@ -71,5 +80,9 @@ impl<L: Link + ?Sized> Link for &mut L {
 
     fn wait(&mut self, duration: Duration) -> Result<(), LinkError> {
         (**self).wait(duration)
+    }
+
+    fn has_own_time(&self) -> bool {
+        (**self).has_own_time()
     }
 }

@@ -32,7 +32,7 @@ impl SerialLink {
     /// # Errors
     /// [`LinkError`] when there is no such port, or it is somebody else's, or it does not know the baud rate.
     pub fn open(path: &str, baud_rate: u32) -> Result<Self, LinkError> {
-        let errors = Errors::of(LinkAddress::Serial { path: path.to_owned(), baud_rate });
+        let errors = Errors::of(LinkAddress::Serial { path: path.to_owned(), baud_rate: Some(baud_rate) });
         let unlock = pseudo_terminal::Unlock::prepare(path);
         let port = serialport::new(path, pseudo_terminal::baud_rate(path, baud_rate))
             .data_bits(DataBits::Eight)

@@ -11,6 +11,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use crate::connection::Connection;
+use crate::protocol::{BaudSource, Protocol};
 use crate::shared::Shared;
 
 /// Why there is no pseudo terminal at a path.
@@ -25,7 +26,7 @@ pub enum PtyError {
     /// The system has no pseudo terminal for us.
     #[error("cannot open a pseudo terminal: {0}")]
     Open(#[from] io::Error),
-    /// Every port of the module is taken.
+    /// Every line is taken.
     #[error("all ports of the module are in use")]
     NoPort,
 }
@@ -41,15 +42,20 @@ pub(crate) struct Pty {
 }
 
 impl Pty {
-    /// Opens a pseudo terminal, links `path` to it, and serves whoever opens it.
-    pub(crate) fn listen(shared: &Arc<Shared>, path: &Path) -> Result<Self, PtyError> {
+    /// Opens a pseudo terminal, links `path` to it, and serves whoever opens it. `protocol` gets our side of it.
+    pub(crate) fn listen<P: Protocol>(
+        shared: &Arc<Shared>,
+        path: &Path,
+        protocol: impl FnOnce(&File) -> io::Result<P>,
+    ) -> Result<Self, PtyError> {
         // First, lest the new terminal gets the number that the stale link points to.
         remove_stale_link(path)?;
         let (controller, terminal, name) = open().map_err(io::Error::from)?;
         std::os::unix::fs::symlink(&name, path).map_err(|error| PtyError::Link(path.to_owned(), error))?;
         let pty = Self { link: path.to_owned(), name, terminal: File::from(terminal) };
         let reader = File::from(controller);
-        let connection = Connection::open(shared, reader.try_clone()?).ok_or(PtyError::NoPort)?;
+        let protocol = protocol(&reader)?;
+        let connection = Connection::open(shared, reader.try_clone()?, protocol).ok_or(PtyError::NoPort)?;
         std::thread::spawn(move || {
             // The terminal is held open on our side, so this ends when the server does.
             let _ = connection.serve(reader);
@@ -66,6 +72,13 @@ impl Drop for Pty {
         }
         let _ = self.terminal.write_all(&[0]);
     }
+}
+
+/// Says which baud rate the program at the other end of a pseudo terminal has set.
+pub(crate) fn baud_source(controller: &File) -> io::Result<BaudSource> {
+    let controller = controller.try_clone()?;
+    // A rate of 0 hangs up, and is no rate.
+    Ok(Box::new(move || Some(tcgetattr(&controller).ok()?.output_speed()).filter(|baud| *baud > 0)))
 }
 
 /// Controller and terminal, the terminal raw: it neither echoes nor rewrites a byte.

@@ -6,9 +6,11 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use virtual_bench::Bench;
+use virtual_bench::{Bench, Wiring};
 
 use crate::pacer::Advance;
+#[cfg(unix)]
+use crate::protocol::Plain;
 use crate::shared::{Notice, Shared};
 use crate::tcp::Tcp;
 
@@ -29,9 +31,28 @@ pub enum ListenError {
     Bind(String, #[source] io::Error),
 }
 
+/// How a bench is served.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// How fast virtual time runs, 1 being real time.
+    pub speed: f64,
+    /// What TCP clients and plain pseudo terminals are connected to.
+    pub serial: Wiring,
+    /// The baud rate of a line follows what the program at its pseudo terminal has set.
+    pub follows_terminal: bool,
+}
+
+impl Default for Settings {
+    /// In real time; the first module's ports, as if by USB.
+    fn default() -> Self {
+        Self { speed: 1.0, serial: Wiring::Usb, follows_terminal: false }
+    }
+}
+
 /// A bench on ports. It stops when dropped, and takes its links with it.
 pub struct Server {
     shared: Arc<Shared>,
+    settings: Settings,
     pacer: Option<JoinHandle<()>>,
     tcp: Vec<Tcp>,
     #[cfg(unix)]
@@ -43,21 +64,23 @@ impl Server {
     /// from the server's threads.
     #[must_use]
     pub fn start(bench: Bench, speed: f64, notify: impl Fn(Notice) + Send + Sync + 'static) -> Self {
-        Self::start_with(bench, speed, Box::new(Bench::advance_to), notify)
+        let settings = Settings { speed, ..Settings::default() };
+        Self::start_with(bench, settings, Box::new(Bench::advance_to), notify)
     }
 
-    /// The same, with `advance` running the bench on: somebody who takes samples on the way. It is called with the bench
-    /// locked, and clients wait for it.
+    /// The same with settings, and with `advance` running the bench on: somebody who takes samples on the way. It is called
+    /// with the bench locked, and clients wait for it.
     #[must_use]
     pub fn start_with(
-        mut bench: Bench,
-        speed: f64,
+        bench: Bench,
+        settings: Settings,
         advance: Advance,
         notify: impl Fn(Notice) + Send + Sync + 'static,
     ) -> Self {
+        let speed = settings.speed;
         // A client that pauses within a datagram does so by the wall clock.
-        bench.set_silence_ns((LINE_SILENCE.as_nanos() as f64 * speed) as u64);
-        let shared = Arc::new(Shared::new(bench, speed, advance, Box::new(notify)));
+        let silence_ns = (LINE_SILENCE.as_nanos() as f64 * speed) as u64;
+        let shared = Arc::new(Shared::new(bench, speed, silence_ns, advance, Box::new(notify)));
         let paced = Arc::clone(&shared);
         let pacer = std::thread::spawn(move || {
             while !paced.is_stopping() {
@@ -67,6 +90,7 @@ impl Server {
         });
         Self {
             shared,
+            settings,
             pacer: Some(pacer),
             tcp: Vec::new(),
             #[cfg(unix)]
@@ -83,7 +107,7 @@ impl Server {
             .to_socket_addrs()
             .map_err(|error| ListenError::Resolve(address.to_owned(), error))?
             .collect();
-        let tcp = Tcp::listen(&self.shared, &addresses)
+        let tcp = Tcp::listen(&self.shared, &addresses, self.settings.serial)
             .map_err(|error| ListenError::Bind(address.to_owned(), error))?;
         let address = tcp.address();
         self.tcp.push(tcp);
@@ -96,8 +120,33 @@ impl Server {
     /// [`crate::PtyError`] when the path is taken or there is no terminal or port to be had.
     #[cfg(unix)]
     pub fn listen_pty(&mut self, path: &std::path::Path) -> Result<(), crate::PtyError> {
-        self.ptys.push(crate::pty::Pty::listen(&self.shared, path)?);
+        let Settings { serial, follows_terminal, .. } = self.settings;
+        let protocol = |controller: &std::fs::File| {
+            Ok(match follows_terminal {
+                false => Plain::new(serial),
+                true => Plain::following(serial, crate::pty::baud_source(controller)?),
+            })
+        };
+        self.ptys.push(crate::pty::Pty::listen(&self.shared, path, protocol)?);
         Ok(())
+    }
+
+    /// Opens a pseudo terminal that is a serial CAN adapter (slcan) on a CAN bus, and links `path` to it.
+    ///
+    /// # Errors
+    /// [`crate::PtyError`], as with any pseudo terminal.
+    #[cfg(unix)]
+    pub fn listen_slcan(&mut self, path: &std::path::Path) -> Result<(), crate::PtyError> {
+        self.ptys.push(crate::pty::Pty::listen(&self.shared, path, |_| Ok(crate::slcan::Adapter::new()))?);
+        Ok(())
+    }
+
+    /// Lets the modules take part in the CAN bus at an interface of the system, such as `can0`.
+    ///
+    /// # Errors
+    /// [`crate::CanError`] when the bus cannot be joined, or all lines are taken.
+    pub fn join_can(&mut self, interface: &str) -> Result<(), crate::CanError> {
+        crate::can_bus::join(&self.shared, interface)
     }
 }
 

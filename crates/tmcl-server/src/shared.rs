@@ -1,11 +1,11 @@
 //! What the server's threads share.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::SyncSender;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use virtual_bench::{Bench, ModuleId, PORTS, PortId};
+use virtual_bench::{Bench, PORTS, PortId, Wiring};
 
 use crate::pacer::{Advance, CaughtUp, Paced};
 
@@ -14,20 +14,19 @@ use crate::pacer::{Advance, CaughtUp, Paced};
 pub enum Notice {
     /// The machine is too slow for the speed asked for; this much wall-clock time was given up.
     Slipped(Duration),
-    /// A client came while all of the module's ports were in use, and was sent away.
+    /// A client came while all lines were in use, and was sent away.
     Refused(String),
     /// A client came and could not be served; the next one may be.
     ClientFailed(String),
 }
 
-/// The module that all clients talk to.
-pub(crate) const MODULE: ModuleId = ModuleId(0);
-
 /// The bench behind its mutex, and who is connected.
 pub(crate) struct Shared {
     paced: Mutex<Paced>,
-    /// Each port's client, told when the module has something to say unasked.
-    clients: Mutex<[Option<Sender<()>>; PORTS]>,
+    /// Each line's client, told when there is something to read unasked.
+    clients: Mutex<[Option<SyncSender<()>>; PORTS]>,
+    /// How long a line without a rate may be silent within a datagram, in virtual time.
+    silence_ns: u64,
     stopping: AtomicBool,
     notify: Box<dyn Fn(Notice) + Send + Sync>,
 }
@@ -36,12 +35,14 @@ impl Shared {
     pub(crate) fn new(
         bench: Bench,
         speed: f64,
+        silence_ns: u64,
         advance: Advance,
         notify: Box<dyn Fn(Notice) + Send + Sync>,
     ) -> Self {
         Self {
             paced: Mutex::new(Paced::new(bench, speed, advance, Instant::now())),
             clients: Mutex::new([const { None }; PORTS]),
+            silence_ns,
             stopping: AtomicBool::new(false),
             notify,
         }
@@ -59,39 +60,45 @@ impl Shared {
         self.stopping.store(true, Ordering::Release);
     }
 
-    /// Takes a port for a client; `None` when all are taken.
-    pub(crate) fn connect(&self, wake: Sender<()>) -> Option<PortId> {
+    /// Takes a line for a client and wires it; `None` when all are taken.
+    pub(crate) fn connect(&self, wake: SyncSender<()>, wiring: Wiring) -> Option<PortId> {
         let mut clients = lock(&self.clients);
-        let port = PortId::ALL.into_iter().find(|port| clients[port.index()].is_none())?;
-        clients[port.index()] = Some(wake);
-        Some(port)
+        let line = PortId::ALL.into_iter().find(|line| clients[line.index()].is_none())?;
+        clients[line.index()] = Some(wake);
+        let bench = &mut lock(&self.paced).bench;
+        // Where bytes take their time, the rate says how long silence may last; elsewhere the client's clock does.
+        if !matches!(wiring, Wiring::Rs485 { baud: Some(_) }) {
+            bench.set_silence_ns(self.silence_ns);
+        }
+        bench.wire(line, wiring);
+        Some(line)
     }
 
-    /// Gives a port back.
-    pub(crate) fn disconnect(&self, port: PortId) {
-        lock(&self.paced).bench.disconnect(MODULE, port);
-        lock(&self.clients)[port.index()] = None;
+    /// Gives a line back.
+    pub(crate) fn disconnect(&self, line: PortId) {
+        lock(&self.paced).bench.hang_up(line);
+        lock(&self.clients)[line.index()] = None;
     }
 
-    /// Bytes arrive from a client now; what the module answers is appended to `out`.
-    pub(crate) fn exchange(&self, port: PortId, bytes: &[u8], out: &mut Vec<u8>) {
+    /// Something is done to the bench as it is now.
+    pub(crate) fn exchange<T>(&self, with: impl FnOnce(&mut Bench) -> T) -> T {
         let mut paced = lock(&self.paced);
-        // The command meets the module as it is now, not as it was at the pacer's last tick.
+        // A command meets the module as it is now, not as it was at the pacer's last tick.
         paced.catch_up(Instant::now());
-        out.extend(paced.bench.exchange(MODULE, port, bytes));
+        with(&mut paced.bench)
     }
 
-    /// What the module says unasked.
-    pub(crate) fn drain(&self, port: PortId, out: &mut Vec<u8>) {
-        lock(&self.paced).bench.transmit(MODULE, port, out);
+    /// What there is to read unasked is taken.
+    pub(crate) fn drain(&self, take: impl FnOnce(&mut Bench)) {
+        take(&mut lock(&self.paced).bench);
     }
 
-    /// Brings virtual time up to now, and wakes the clients the module has something to say to.
+    /// Brings virtual time up to now, and wakes the clients that have something to read.
     pub(crate) fn pace(&self) {
         loop {
             let mut paced = lock(&self.paced);
             let caught_up = paced.catch_up(Instant::now());
-            let speaking = PortId::ALL.map(|port| paced.bench.has_output(MODULE, port));
+            let speaking = PortId::ALL.map(|line| paced.bench.has_answer(line));
             drop(paced);
             self.wake(speaking);
             match caught_up {
@@ -110,8 +117,8 @@ impl Shared {
         let clients = lock(&self.clients);
         for (client, _) in clients.iter().zip(speaking).filter(|(_, speaks)| *speaks) {
             if let Some(client) = client {
-                // A client that has just gone hears nothing any more.
-                let _ = client.send(());
+                // A client that has just gone hears nothing any more, and one that is being woken needs no second call.
+                let _ = client.try_send(());
             }
         }
     }

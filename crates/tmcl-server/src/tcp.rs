@@ -1,11 +1,14 @@
-//! TCP listeners: each client has a port of the module to itself while it stays.
+//! TCP listeners: each client has a line of the bench to itself while it stays.
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use virtual_bench::Wiring;
+
 use crate::connection::Connection;
+use crate::protocol::Plain;
 use crate::shared::{Notice, Shared, lock};
 
 /// How long a listener waits after a failure.
@@ -19,12 +22,12 @@ pub(crate) struct Tcp {
 
 impl Tcp {
     /// Listens at `address`, and serves every client in threads of its own.
-    pub(crate) fn listen(shared: &Arc<Shared>, address: &[SocketAddr]) -> io::Result<Self> {
+    pub(crate) fn listen(shared: &Arc<Shared>, address: &[SocketAddr], wiring: Wiring) -> io::Result<Self> {
         let listener = TcpListener::bind(address)?;
         let address = listener.local_addr()?;
         let clients = Arc::new(Mutex::new(Vec::new()));
         let (shared, known) = (Arc::clone(shared), Arc::clone(&clients));
-        std::thread::spawn(move || accept(&listener, &shared, &known));
+        std::thread::spawn(move || accept(&listener, &shared, &known, wiring));
         Ok(Self { address, clients })
     }
 
@@ -42,12 +45,17 @@ impl Tcp {
     }
 }
 
-fn accept(listener: &TcpListener, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<TcpStream>>>) {
+fn accept(
+    listener: &TcpListener,
+    shared: &Arc<Shared>,
+    clients: &Arc<Mutex<Vec<TcpStream>>>,
+    wiring: Wiring,
+) {
     for stream in listener.incoming() {
         if shared.is_stopping() {
             return;
         }
-        if let Err(error) = stream.and_then(|stream| welcome(stream, shared, clients)) {
+        if let Err(error) = stream.and_then(|stream| welcome(stream, shared, clients, wiring)) {
             // One client's failure is no reason to turn the next away.
             shared.notify(Notice::ClientFailed(error.to_string()));
             // Too many open files, say, are still too many a microsecond later.
@@ -56,11 +64,16 @@ fn accept(listener: &TcpListener, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<
     }
 }
 
-fn welcome(stream: TcpStream, shared: &Arc<Shared>, clients: &Arc<Mutex<Vec<TcpStream>>>) -> io::Result<()> {
+fn welcome(
+    stream: TcpStream,
+    shared: &Arc<Shared>,
+    clients: &Arc<Mutex<Vec<TcpStream>>>,
+    wiring: Wiring,
+) -> io::Result<()> {
     // A reply is nine bytes, and the client waits for it.
     stream.set_nodelay(true)?;
     let peer = stream.peer_addr()?;
-    let Some(connection) = Connection::open(shared, stream.try_clone()?) else {
+    let Some(connection) = Connection::open(shared, stream.try_clone()?, Plain::new(wiring)) else {
         shared.notify(Notice::Refused(peer.to_string()));
         return stream.shutdown(Shutdown::Both);
     };

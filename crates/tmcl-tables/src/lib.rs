@@ -28,6 +28,6 @@ pub use markdown::{CommandsMarkdown, ParametersMarkdown, Selection};
 pub use module::{
     Direction, GlobalSpec, InterruptSpec, ModuleSpec, PortSpec, StatusSpec, UnknownModule, module_by_id,
 };
-pub use parameter::{Access, BitField, NamedValue, ParameterSpec, Source, ValueSet};
+pub use parameter::{Access, BitField, NamedValue, ParameterSpec, Role, Source, ValueSet};
 
 use texts::{list, text};

@@ -72,11 +72,26 @@ impl core::fmt::Display for ValueSet {
     }
 }
 
+/// What part a parameter plays in the configuration of a module: what somebody keeps in a file and puts into another module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// How the module behaves.
+    Setting,
+    /// How the module is reached. Another value may cut the connection, or make two modules answer to one address.
+    Connection,
+    /// Keeps others from changing or reading something; each bit that is set forbids one thing.
+    Lock,
+    /// None: it says or commands what happens, or counts it.
+    State,
+}
+
 /// A value with a name of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NamedValue {
     /// The number.
     pub value: i64,
+    /// What to write for it; the same number but for few parameters.
+    pub write: i64,
     /// The identifier, as `tmcl set` takes it.
     pub id: &'static str,
     /// The name, for people.
@@ -132,6 +147,8 @@ pub struct ParameterSpec {
     pub default_from: Source,
     /// Readable, writable, storable.
     pub access: Access,
+    /// What it is in a configuration.
+    pub role: Role,
     /// Whether the 32 bits on the wire are unsigned.
     pub unsigned: bool,
     /// Values with names.
@@ -178,6 +195,12 @@ impl ParameterSpec {
         self.to_wire(self.default)
     }
 
+    /// What to write so that `value` is read afterwards: the same but for few parameters.
+    #[must_use]
+    pub fn written_for(&self, value: i64) -> i64 {
+        self.values.iter().find(|named| named.value == value).map_or(value, |named| named.write)
+    }
+
     /// The name of `value`, where it has one.
     #[must_use]
     pub fn value_name(&self, value: i64) -> Option<&'static str> {
@@ -205,6 +228,17 @@ mod tests {
         assert_eq!(sum.from_wire(-1), 4_294_967_295);
         assert_eq!(sum.to_wire(4_294_967_295), -1);
         assert!(sum.allows_write(-1));
+    }
+
+    #[test]
+    fn the_lock_is_written_with_other_numbers_than_it_reads() {
+        let (bank, number) = crate::GlobalParameter::EepromLock.address();
+        let lock = crate::tmcm_1311::SPEC.global_parameter(bank, number).expect("it has one").parameter;
+        assert_eq!((lock.written_for(1), lock.written_for(0)), (1234, 4321));
+        let role = |parameter: crate::tmcm_1311::AxisParameter| parameter.spec().role;
+        use crate::tmcm_1311::AxisParameter as P;
+        assert_eq!((role(P::MaxVelocity), role(P::ActualPosition)), (Role::Setting, Role::State));
+        assert_eq!((role(P::SupplyVoltage), lock.role), (Role::State, Role::Lock));
     }
 
     #[test]

@@ -5,6 +5,15 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use tmcl_tables::ModuleSpec;
 
+use crate::commands::download::Download;
+use crate::commands::exec::Exec;
+use crate::commands::factory_reset::FactoryReset;
+use crate::commands::info::Info;
+use crate::commands::ports::Ports;
+use crate::commands::scan::Scan;
+use crate::commands::shell::Shell;
+use crate::commands::upload::Upload;
+use crate::commands::{application, apply, diff, dump, get, restore, set, store, watch};
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
@@ -17,7 +26,8 @@ use crate::program::lints::LintOptions;
 )]
 #[command(
     after_help = "Exit codes: 0 ok, 1 findings or failed expectation, 2 usage, 3 connection, 4 TMCL error status, \
-    42 timeout."
+    42 timeout.\n\nThe options of a connection are looked up in the environment (TMCL_PORT, TMCL_BAUD, TMCL_ADDRESS, \
+    TMCL_HOST_ADDRESS, TMCL_TIMEOUT, TMCL_RETRIES) and in tmcl.toml where the command line does not give them: docs/host-tools.md."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -40,14 +50,56 @@ pub(crate) enum Command {
     Disasm(Disasm),
     /// Move a virtual motor and show what happens
     Demo(Demo),
-    /// Run a virtual module on TCP ports and pseudo terminals
+    /// Run virtual modules on TCP ports, pseudo terminals and CAN
     Serve(Serve),
+    /// Send commands to a module, and print what it answers
+    Exec(Exec),
+    /// Talk to a module, line by line
+    Shell(Shell),
+    /// List the ports that a module may be behind
+    Ports(Ports),
+    /// Look who is on a bus
+    Scan(Scan),
+    /// Say which module this is, and how it is
+    Info(Info),
+    /// Store a program in a module
+    Download(Download),
+    /// Read a module's program back, as text
+    Upload(Upload),
+    /// Start the program that a module stores
+    Start(application::Start),
+    /// Stop the program; the motor moves on
+    Stop(application::Options),
+    /// Execute the program's next instruction
+    Step(application::Options),
+    /// Stop the program and set it back to its beginning
+    Reset(application::Options),
+    /// Say what the program does
+    Status(application::Options),
+    /// Set a module back to what it was when it came
+    FactoryReset(FactoryReset),
     /// List the modules
     Modules(Modules),
     /// List a module's axis and global parameters
     Params(Params),
     /// List a module's commands
     Commands(Commands),
+    /// Read parameters of a module
+    Get(get::Get),
+    /// Write parameters of a module
+    Set(set::Set),
+    /// Store parameters in the module's EEPROM as they are
+    Store(store::Store),
+    /// Bring parameters back to what the module's EEPROM holds
+    Restore(restore::Restore),
+    /// Watch parameters of a module
+    Watch(watch::Watch),
+    /// Print the configuration of a module as a text
+    Dump(dump::Dump),
+    /// Compare a configuration file with a module, or with another file
+    Diff(diff::Diff),
+    /// Bring a configuration file into a module
+    Apply(apply::Apply),
     /// Print a shell's completion script
     Completions {
         /// The shell
@@ -225,14 +277,15 @@ pub(crate) struct Recording {
 /// `tmcl serve`.
 #[derive(Args)]
 #[command(
-    after_help = "Without --tcp and --pty it listens at 127.0.0.1:5311. A module has four ports: each pseudo terminal \
-    holds one, each TCP client holds one while it stays. SIGINT and SIGTERM end it."
+    after_help = "Without --tcp, --pty, --slcan and --can it listens at 127.0.0.1:5311. Several modules share one bus \
+    (docs/buses.md): RS485 by --tcp and --pty, CAN by --slcan and --can. A module has four ports: each pseudo terminal and \
+    CAN bus holds one, each TCP client holds one while it stays. SIGINT and SIGTERM end it."
 )]
 pub(crate) struct Serve {
-    /// The module, and its serial address where it is not to be 1; may be left out with --bench
+    /// The modules, each with its address where it is not to be 1; may be left out with --bench
     #[arg(value_name = "MODULE[@ADDRESS]", value_parser = module_name::setup, required_unless_present = "bench")]
-    pub(crate) module: Option<module_name::VirtualModule>,
-    /// The bench the module stands on (docs/bench-file.md); of several modules the first is at the ports
+    pub(crate) modules: Vec<module_name::VirtualModule>,
+    /// The bench the modules stand on (docs/bench-file.md)
     #[arg(long, value_name = "FILE")]
     pub(crate) bench: Option<PathBuf>,
     /// Listen here; port 0 picks a free one, no host means 127.0.0.1; may be given several times
@@ -241,6 +294,15 @@ pub(crate) struct Serve {
     /// Open a pseudo terminal and link PATH to it; may be given several times
     #[arg(long, value_name = "PATH")]
     pub(crate) pty: Vec<PathBuf>,
+    /// Open a pseudo terminal that is a serial CAN adapter (slcan), and link PATH to it; may be given several times
+    #[arg(long, value_name = "PATH")]
+    pub(crate) slcan: Vec<PathBuf>,
+    /// Take part in a CAN bus of this system (SocketCAN), such as can0; may be given several times
+    #[arg(long, value_name = "INTERFACE")]
+    pub(crate) can: Vec<String>,
+    /// Let bytes take their time on RS485 at so many bits a second; auto: at what the program at a --pty has set
+    #[arg(long, value_name = "BITS/S", value_parser = baud)]
+    pub(crate) baud: Option<Baud>,
     /// How fast virtual time runs, 1 being real time
     #[arg(long, value_name = "FACTOR", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub(crate) speed: f64,
@@ -307,6 +369,25 @@ fn tcp_address(text: &str) -> Result<String, String> {
     }
 }
 
+/// The rate of an RS485 line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Baud {
+    /// What the program at the other end of a pseudo terminal has set.
+    Auto,
+    /// So many bits a second.
+    Fixed(u32),
+}
+
+fn baud(text: &str) -> Result<Baud, String> {
+    if text == "auto" {
+        return Ok(Baud::Auto);
+    }
+    match text.parse() {
+        Ok(baud @ 50..=10_000_000) => Ok(Baud::Fixed(baud)),
+        _ => Err("auto or a rate from 50 to 10000000 is expected, such as 9600 or 115200".to_owned()),
+    }
+}
+
 fn turns(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(turns) if turns.is_finite() && turns.abs() <= 10_000.0 => Ok(turns),
@@ -323,7 +404,7 @@ fn rpm(text: &str) -> Result<f64, String> {
 }
 
 /// A time between samples in nanoseconds: at least a control period.
-fn interval(text: &str) -> Result<u64, String> {
+pub(crate) fn interval(text: &str) -> Result<u64, String> {
     const EXPECTED: &str = "a time from 50us to 1h is expected, such as 500us, 1ms or 0.5s";
     nanoseconds(text)
         .filter(|time_ns| (50_000.0..=3.6e12).contains(time_ns))
@@ -331,7 +412,7 @@ fn interval(text: &str) -> Result<u64, String> {
 }
 
 /// Virtual time is cheap: a program that mostly waits runs for a year in a minute.
-fn duration(text: &str) -> Result<u64, String> {
+pub(crate) fn duration(text: &str) -> Result<u64, String> {
     const EXPECTED: &str = "a time from 50us to 100000h is expected, such as 500ms, 10s, 5min or 1h";
     nanoseconds(text)
         .filter(|time_ns| (50_000.0..=3.6e17).contains(time_ns))
@@ -339,7 +420,7 @@ fn duration(text: &str) -> Result<u64, String> {
 }
 
 /// A number and its unit.
-fn nanoseconds(text: &str) -> Option<f64> {
+pub(crate) fn nanoseconds(text: &str) -> Option<f64> {
     let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
     let scale = match &text[number.len()..] {
         "us" => 1e3,

@@ -9,16 +9,23 @@ use crate::module_name::VirtualModule;
 
 /// The bench of `file`, or the default one of `module`. The address on the command line beats the file's.
 pub(crate) fn load(module: Option<VirtualModule>, file: Option<&Path>) -> Result<BenchConfig, Failure> {
-    let mut config = match (file, module) {
-        (Some(file), module) => agreeing(read(file)?, file, module)?,
-        (None, Some(module)) => BenchConfig::default_for(module.kind),
-        (None, None) => {
+    load_several(module.as_slice(), file)
+}
+
+/// The bench of `file`, or the default one with these modules. Addresses on the command line beat the file's.
+pub(crate) fn load_several(modules: &[VirtualModule], file: Option<&Path>) -> Result<BenchConfig, Failure> {
+    let mut config = match (file, modules) {
+        (Some(file), modules) => agreeing(read(file)?, file, modules)?,
+        (None, []) => {
             return Err(Failure::new(Code::Usage, "name a module, such as tmcm-1311, or a --bench file"));
         }
+        (None, modules) => {
+            let kinds: Vec<_> = modules.iter().map(|module| module.kind).collect();
+            BenchConfig::default_of(&kinds)
+        }
     };
-    let address = module.and_then(|module| module.address);
-    if let (Some(first), Some(address)) = (config.modules.first_mut(), address) {
-        first.address = Some(address);
+    for (module, named) in config.modules.iter_mut().zip(modules) {
+        module.address = named.address.or(module.address);
     }
     Ok(config)
 }
@@ -37,13 +44,23 @@ fn read(file: &Path) -> Result<BenchConfig, Failure> {
     })
 }
 
-/// A module that is named beside a file has to be the file's first.
-fn agreeing(config: BenchConfig, file: &Path, module: Option<VirtualModule>) -> Result<BenchConfig, Failure> {
-    let (Some(first), Some(module)) = (config.modules.first(), module) else { return Ok(config) };
-    if first.kind == module.kind {
-        return Ok(config);
+/// Modules that are named beside a file have to be the file's, in its order; those behind them may be left out.
+fn agreeing(config: BenchConfig, file: &Path, modules: &[VirtualModule]) -> Result<BenchConfig, Failure> {
+    let file = file.display();
+    let usage = |message| Err(Failure::new(Code::Usage, message));
+    for (index, (found, named)) in config.modules.iter().zip(modules).enumerate() {
+        if found.kind != named.kind {
+            let which = match index {
+                0 => "the first module".to_owned(),
+                _ => format!("module {} ({})", index + 1, found.name),
+            };
+            let (named, found) = (named.kind.spec().id, found.kind.spec().id);
+            return usage(format!("{which} in {file} is a {found}, not a {named}"));
+        }
     }
-    let (named, found) = (module.kind.spec().id, first.kind.spec().id);
-    let message = format!("the first module in {} is a {found}, not a {named}", file.display());
-    Err(Failure::new(Code::Usage, message))
+    match config.modules.len() {
+        count if count >= modules.len() => Ok(config),
+        1 => usage(format!("there is one module in {file}, not {}", modules.len())),
+        count => usage(format!("there are {count} modules in {file}, not {}", modules.len())),
+    }
 }

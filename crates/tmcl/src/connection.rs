@@ -1,69 +1,236 @@
 //! Where a module is, as every command that talks to one is told: `--port` and its neighbours.
+//!
+//! The command line beats the environment, that beats `tmcl.toml`, and that beats what stands here. Each setting is looked up by
+//! itself. `docs/host-tools.md` is the reference for people.
 
+mod environment;
+mod file;
+mod place;
+mod values;
+
+use std::fmt;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
 use tmcl_client::{Client, ClientError, Settings};
 use tmcl_link::Link;
 use tmcl_tables::ModuleSpec;
-use virtual_bench::{Bench, BenchConfig, ModuleId};
 
 use crate::exit::{Code, Failure};
-use crate::module_name;
-use crate::virtual_link::VirtualLink;
+use place::Place;
+pub(crate) use values::BaudRates;
 
-/// What stands before the name of a module that is to run in this process.
-const VIRTUAL: &str = "virtual:";
+/// Where `tmcl serve` listens when nothing is said.
+const DEFAULT_PORT: &str = "tcp://127.0.0.1:5311";
 
-/// Where the module is, and how patiently to talk to it.
-#[derive(Args, Clone, Debug)]
+/// Where the module is, and how patiently to talk to it; what nobody says is `None`.
+#[derive(Args, Clone, Debug, Default, PartialEq, Eq)]
 #[command(next_help_heading = "Connection")]
 pub(crate) struct ConnectionOptions {
-    /// Where the module is: /dev/ttyACM0, COM3, tcp://127.0.0.1:5311, or virtual:tmcm-1311 for one in this process
-    #[arg(short, long, value_name = "WHERE", default_value = "tcp://127.0.0.1:5311")]
-    pub(crate) port: String,
-    /// The module's address
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub(crate) address: u8,
-    /// The address that the module sends its replies to
-    #[arg(long, value_name = "N", default_value = "2")]
-    pub(crate) host_address: u8,
-    /// How long to wait for a reply, in milliseconds
-    #[arg(long, value_name = "MS", default_value = "1000")]
-    pub(crate) timeout: u32,
-    /// How often to ask again where that does no harm
-    #[arg(long, value_name = "N", default_value = "2")]
-    pub(crate) retries: u32,
+    /// Where the module is: /dev/ttyACM0, COM3, tcp://127.0.0.1:5311, slcan:///dev/ttyACM0, can://can0; virtual:tmcm-1311,
+    /// virtual:tmcm-1311@ADDRESS or virtual:BENCH.toml for one in this process [default: tcp://127.0.0.1:5311]
+    #[arg(short, long, value_name = "WHERE")]
+    pub(crate) port: Option<String>,
+    /// Bits per second of a serial port [default: 9600]
+    #[arg(long, value_name = "RATE", value_parser = values::baud_rates)]
+    pub(crate) baud: Option<BaudRates>,
+    /// The module's address [default: 1]
+    #[arg(long, value_name = "N", value_parser = values::address)]
+    pub(crate) address: Option<u8>,
+    /// The address that the module sends its replies to [default: 2]
+    #[arg(long, value_name = "N", value_parser = values::address)]
+    pub(crate) host_address: Option<u8>,
+    /// How long to wait for a reply: 500ms, 1s [default: 1s]
+    #[arg(long, value_name = "TIME", value_parser = values::timeout)]
+    pub(crate) timeout: Option<Duration>,
+    /// How often to ask again where that does no harm [default: 2]
+    #[arg(long, value_name = "N", value_parser = values::retries)]
+    pub(crate) retries: Option<u32>,
 }
 
 /// A client on any kind of link.
 pub(crate) type AnyClient = Client<Box<dyn Link>>;
 
 impl ConnectionOptions {
+    /// Opens the link and asks which module is there.
+    pub(crate) fn connect(&self) -> Result<(AnyClient, &'static ModuleSpec), Failure> {
+        self.resolve()?.connect()
+    }
+
+    /// Looks up what the command line does not say.
+    pub(crate) fn resolve(&self) -> Result<Connection, Failure> {
+        let environment = environment::read(|name| std::env::var_os(name))?;
+        let folder = std::env::current_dir()
+            .map_err(|error| Failure::new(Code::Usage, format!("there is no working directory: {error}")))?;
+        let file =
+            file::find(&folder).map(|path| file::read(&path).map(|layer| (path, layer))).transpose()?;
+        Connection::of(self.clone(), environment, file)
+    }
+
+    /// This, and where it says nothing, `below`.
+    fn over(self, below: Self) -> Self {
+        Self {
+            port: self.port.or(below.port),
+            baud: self.baud.or(below.baud),
+            address: self.address.or(below.address),
+            host_address: self.host_address.or(below.host_address),
+            timeout: self.timeout.or(below.timeout),
+            retries: self.retries.or(below.retries),
+        }
+    }
+}
+
+/// Who named the port.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Origin {
+    CommandLine,
+    Environment,
+    File(PathBuf),
+    Default,
+}
+
+impl fmt::Display for Origin {
+    /// What follows an error about the port.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CommandLine => Ok(()),
+            Self::Environment => f.write_str(" (the environment variable TMCL_PORT names this port)"),
+            Self::File(path) => write!(f, " ({} names this port)", path.display()),
+            Self::Default => f.write_str(
+                "\n\nThat is where `tmcl serve` listens, and nobody named another port: do so with --port, such as \
+                 --port /dev/ttyACM0 or --port virtual:tmcm-1311, with TMCL_PORT, or in a file tmcl.toml",
+            ),
+        }
+    }
+}
+
+/// Everything that is to be known before a link is opened.
+#[derive(Clone, Debug)]
+pub(crate) struct Connection {
+    place: Place,
+    origin: Origin,
+    baud: Option<BaudRates>,
+    settings: Settings,
+    /// Whether anybody said how long to wait.
+    timeout_is_given: bool,
+}
+
+impl Connection {
+    fn of(
+        command_line: ConnectionOptions,
+        environment: ConnectionOptions,
+        file: Option<(PathBuf, ConnectionOptions)>,
+    ) -> Result<Self, Failure> {
+        let (path, file) = file.unzip();
+        let file = file.unwrap_or_default();
+        let origin = match path {
+            _ if command_line.port.is_some() => Origin::CommandLine,
+            _ if environment.port.is_some() => Origin::Environment,
+            Some(path) if file.port.is_some() => Origin::File(path),
+            _ => Origin::Default,
+        };
+        let (asked_address, asked_baud) = (command_line.address, command_line.baud.clone());
+        let all = command_line.over(environment).over(file);
+        let place = Place::parse(all.port.as_deref().unwrap_or(DEFAULT_PORT))
+            .map_err(|message| Failure::new(Code::Usage, format!("{message}{}", origin.or_nothing())))?;
+        let rate = place.baud_rate();
+        if let (Some(rate), Some(asked)) =
+            (rate, asked_baud.filter(|asked| Some(asked.rates()) != rate.map(|it| vec![it])))
+        {
+            let port = place.text();
+            let message = format!(
+                "the port {port} says {rate} bits per second, and --baud {asked}; leave one of them out"
+            );
+            return Err(Failure::new(Code::Usage, message));
+        }
+        let settings = Settings::default();
+        let settings = Settings {
+            // What the notation says of a virtual module is more than what a file says of modules in general.
+            module_address: asked_address
+                .or_else(|| place.address())
+                .or(all.address)
+                .unwrap_or(settings.module_address),
+            host_address: all.host_address.unwrap_or(settings.host_address),
+            timeout: all.timeout.unwrap_or(settings.timeout),
+            retries: all.retries.unwrap_or(settings.retries),
+        };
+        Ok(Self { place, origin, baud: all.baud, settings, timeout_is_given: all.timeout.is_some() })
+    }
+
+    /// The port, as it was named.
+    pub(crate) fn port(&self) -> &str {
+        self.place.text()
+    }
+
+    /// Who talks to whom, and how patiently.
+    pub(crate) fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Whether somebody said how long to wait.
+    pub(crate) fn timeout_is_given(&self) -> bool {
+        self.timeout_is_given
+    }
+
+    /// Whether time passes only while somebody waits for the module.
+    pub(crate) fn is_virtual(&self) -> bool {
+        self.place.is_virtual()
+    }
+
+    /// The rates to try at a serial port; none where the port has none.
+    pub(crate) fn baud_rates(&self) -> Vec<u32> {
+        if self.place.wants_baud_rate() {
+            self.baud.as_ref().map(BaudRates::rates).unwrap_or_default()
+        } else {
+            Vec::new()
+        }
+    }
+
     /// Opens the link. Nothing is sent yet.
     pub(crate) fn open(&self) -> Result<AnyClient, Failure> {
-        let link = match self.port.strip_prefix(VIRTUAL) {
-            Some(module) => virtual_module(module)?,
-            None => tmcl_link::open(&self.port)
-                .map_err(|error| Failure::new(Code::Connection, error.to_string()))?,
+        let rate = match self.baud_rates().as_slice() {
+            [] => None,
+            [rate] => Some(*rate),
+            _ => {
+                let message = "one rate is needed to talk to a module; `tmcl scan` tries several";
+                return Err(Failure::new(Code::Usage, format!("in --baud: {message}")));
+            }
         };
-        let settings = Settings {
-            module_address: self.address,
-            host_address: self.host_address,
-            timeout: Duration::from_millis(self.timeout.into()),
-            retries: self.retries,
-        };
-        Ok(Client::with_settings(link, settings))
+        self.open_at(rate)
+    }
+
+    /// Opens the link at a rate.
+    pub(crate) fn open_at(&self, rate: Option<u32>) -> Result<AnyClient, Failure> {
+        let link = self.place.open(rate, self.settings);
+        let link = link.map_err(|failure| failure.and_says(&self.origin.to_string()))?;
+        Ok(Client::with_settings(link, self.settings))
     }
 
     /// Opens the link and asks which module is there.
     pub(crate) fn connect(&self) -> Result<(AnyClient, &'static ModuleSpec), Failure> {
         let mut client = self.open()?;
-        let version = client.firmware_version().map_err(|error| failure(&error))?;
+        let version = client.firmware_version().map_err(|error| told(&client, &error))?;
         let spec = version.module_spec().ok_or_else(|| {
             Failure::new(Code::Connection, format!("there are no tables for what answers here: {version}"))
         })?;
         Ok((client, spec))
+    }
+}
+
+impl Origin {
+    /// As [`fmt::Display`], where the port was somebody's choice.
+    fn or_nothing(&self) -> String {
+        if *self == Self::Default { String::new() } else { self.to_string() }
+    }
+}
+
+/// As [`failure`], with what went over the line.
+pub(crate) fn told(client: &AnyClient, error: &ClientError) -> Failure {
+    let failure = failure(error);
+    match (error, client.last_exchange()) {
+        (ClientError::Link(_), _) | (_, None) => failure,
+        (_, Some(exchange)) => failure.and_says(&format!("\n{exchange}")),
     }
 }
 
@@ -85,12 +252,55 @@ pub(crate) fn failure(error: &ClientError) -> Failure {
     Failure::new(code, error.to_string())
 }
 
-fn virtual_module(name: &str) -> Result<Box<dyn Link>, Failure> {
-    let module = module_name::setup(name)
-        .map_err(|error| Failure::new(Code::Usage, format!("in --port {VIRTUAL}{name}: {error}")))?;
-    let mut config = BenchConfig::default_for(module.kind);
-    if let Some(first) = config.modules.first_mut() {
-        first.address = module.address;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port(name: &str) -> ConnectionOptions {
+        ConnectionOptions { port: Some(name.to_owned()), ..ConnectionOptions::default() }
     }
-    Ok(Box::new(VirtualLink::new(Bench::new(&config), ModuleId(0))))
+
+    fn of(
+        command_line: ConnectionOptions,
+        environment: ConnectionOptions,
+        file: ConnectionOptions,
+    ) -> Connection {
+        Connection::of(command_line, environment, Some((PathBuf::from("tmcl.toml"), file)))
+            .expect("it is in order")
+    }
+
+    #[test]
+    fn the_command_line_beats_the_environment_and_that_the_file() {
+        let none = ConnectionOptions::default;
+        let (a, b, c) = (|| port("tcp://a:1"), || port("tcp://b:2"), || port("tcp://c:3"));
+        let found = |connection: Connection| (connection.port().to_owned(), connection.origin);
+        assert_eq!(found(of(a(), b(), c())), ("tcp://a:1".to_owned(), Origin::CommandLine));
+        assert_eq!(found(of(none(), b(), c())), ("tcp://b:2".to_owned(), Origin::Environment));
+        let file = Origin::File(PathBuf::from("tmcl.toml"));
+        assert_eq!(found(of(none(), none(), c())), ("tcp://c:3".to_owned(), file));
+        assert_eq!(found(of(none(), none(), none())), (DEFAULT_PORT.to_owned(), Origin::Default));
+    }
+
+    #[test]
+    fn each_setting_is_looked_up_by_itself() {
+        let command_line = ConnectionOptions { address: Some(5), ..port("tcp://a:1") };
+        let environment = ConnectionOptions { address: Some(6), retries: Some(0), ..port("tcp://b:2") };
+        let file =
+            ConnectionOptions { host_address: Some(9), retries: Some(7), ..ConnectionOptions::default() };
+        let settings = of(command_line, environment, file).settings();
+        let expected = Settings { module_address: 5, host_address: 9, retries: 0, ..Settings::default() };
+        assert_eq!(settings, expected);
+    }
+
+    #[test]
+    fn a_virtual_module_is_talked_to_at_its_own_address() {
+        let file = || ConnectionOptions { address: Some(9), ..ConnectionOptions::default() };
+        let none = ConnectionOptions::default;
+        let address = |connection: Connection| connection.settings().module_address;
+        assert_eq!(address(of(port("virtual:tmcm-1311@5"), none(), file())), 5);
+        assert_eq!(address(of(port("virtual:tmcm-1311"), none(), file())), 1);
+        assert_eq!(address(of(port("tcp://a:1"), none(), file())), 9);
+        let asked = ConnectionOptions { address: Some(7), ..port("virtual:tmcm-1311@5") };
+        assert_eq!(address(of(asked, none(), file())), 7);
+    }
 }

@@ -32,6 +32,15 @@ impl Failure {
     pub(crate) fn code(&self) -> Code {
         self.code
     }
+
+    pub(crate) fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The same, with more to say at its end.
+    pub(crate) fn and_says(self, more: &str) -> Self {
+        Self { message: self.message + more, ..self }
+    }
 }
 
 /// What failed with some of several files; the others are seen to nevertheless.

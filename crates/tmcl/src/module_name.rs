@@ -12,6 +12,9 @@ pub(crate) enum NameError {
     /// A module that the tables know, but that there is no virtual one of.
     #[error("there is no virtual one yet; there are {0}")]
     NotVirtual(String),
+    /// An address for a module whose address is fixed.
+    #[error("the address of a {0} is 1 and cannot be changed")]
+    FixedAddress(&'static str),
     /// The part behind the `@`.
     #[error("the address behind the @ is a number from 0 to 255, not `{0}`")]
     Address(String),
@@ -37,6 +40,9 @@ pub(crate) fn setup(name: &str) -> Result<VirtualModule, NameError> {
     let kind = ModuleKind::try_from(spec(name)?).map_err(|_| NameError::NotVirtual(virtual_modules()))?;
     let address =
         address.map(|text| text.parse().map_err(|_| NameError::Address(text.to_owned()))).transpose()?;
+    if address.is_some_and(|address| address != 1) && !kind.has_settable_address() {
+        return Err(NameError::FixedAddress(kind.spec().name));
+    }
     Ok(VirtualModule { kind, address })
 }
 
@@ -60,7 +66,8 @@ mod tests {
         assert_eq!(setup("TMCM-1311@7"), Ok(VirtualModule { kind, address: Some(7) }));
         assert_eq!(setup("1311@256"), Err(NameError::Address("256".to_owned())));
         assert_eq!(setup("tmcm-1640"), Ok(VirtualModule { kind: ModuleKind::Tmcm1640, address: None }));
-        assert!(matches!(setup("tmcm-1076"), Err(NameError::NotVirtual(_))));
+        assert_eq!(setup("1076@1"), Ok(VirtualModule { kind: ModuleKind::Tmcm1076, address: Some(1) }));
+        assert_eq!(setup("1076@2"), Err(NameError::FixedAddress("TMCM-1076")));
         assert!(matches!(setup("tmcm-1312"), Err(NameError::Module(_))));
     }
 }

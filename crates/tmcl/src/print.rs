@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use comfy_table::{CellAlignment, Table, presets};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 /// `error: …` on stderr, in red where the terminal has colours and `NO_COLOR` does not forbid them.
@@ -29,8 +30,33 @@ pub(crate) fn json(value: &impl Serialize) -> io::Result<()> {
     text(&format!("{}\n", serde_json::to_string_pretty(value)?))
 }
 
+/// A bar on stderr, where that is a terminal.
+pub(crate) fn progress(length: usize, what: &str) -> ProgressBar {
+    let bar = ProgressBar::new(length as u64);
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(what.to_owned());
+    bar
+}
+
 /// A table without lines; the first column is right-aligned.
 pub(crate) fn table<const N: usize>(
+    header: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> io::Result<()> {
+    aligned(CellAlignment::Right, header, rows)
+}
+
+/// A table without lines; the first column is left-aligned.
+pub(crate) fn listing<const N: usize>(
+    header: [&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> io::Result<()> {
+    aligned(CellAlignment::Left, header, rows)
+}
+
+fn aligned<const N: usize>(
+    first: CellAlignment,
     header: [&str; N],
     rows: impl Iterator<Item = [String; N]>,
 ) -> io::Result<()> {
@@ -39,7 +65,7 @@ pub(crate) fn table<const N: usize>(
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((u16::from(index > 0), 1));
         if index == 0 {
-            column.set_cell_alignment(CellAlignment::Right);
+            column.set_cell_alignment(first);
         }
     }
     text(&format!("{}\n", table.trim_fmt()))

@@ -66,4 +66,8 @@ impl<B: BorrowMut<Bench> + Send> Link for VirtualLink<B> {
         self.collect();
         Ok(())
     }
+
+    fn has_own_time(&self) -> bool {
+        true
+    }
 }

@@ -65,6 +65,51 @@ fn a_program_runs_from_a_pipe() {
     assert_eq!(output.status.code(), Some(0));
 }
 
+/// Lines of stdin are commands, and errors name them.
+#[test]
+fn commands_come_through_a_pipe() {
+    let port = ["--port", "virtual:tmcm-1311"];
+    let exec = |input: &[u8]| tmcl(&[&["exec", "-", "--json"], &port[..]].concat(), input);
+    let output = exec(b"// where it is\nTurn = 51200\n\nMVP REL, 0, Turn\nGAP 0, 0\n");
+    let said = String::from_utf8(output.stdout).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(said.contains("\"command\": \"GAP 0, 0\"") && said.contains("\"value\": 51200"), "{said}");
+    let output = exec(b"GAP 1, 0\nGAP Nothing, 0\n");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(said.contains("--> <stdin>:2:5\n") && said.ends_with("error: nothing was sent\n"), "{said}");
+    assert_eq!((output.status.code(), output.stdout), (Some(2), Vec::new()));
+}
+
+/// Time passes on a virtual module while the shell waits. One line for each exchange, and no prompt.
+#[test]
+fn a_shell_talks_through_a_pipe() {
+    let input = b"set max_velocity=51200\nMVP ABS, 0, 51200\nget actual_position\nwait 3s\nget actual_position status_word\n\
+                  help MVP\nexit\nGAP 1, 0\n";
+    let output = tmcl(&["shell", "--port", "virtual:tmcm-1311"], input);
+    let said = String::from_utf8(output.stdout).expect("UTF-8");
+    let lines: Vec<&str> = said.lines().collect();
+    let expected = [
+        "SAP 4, 0, 51200         01 05 04 00 00 00 c8 00 d2  100 OK    51200 pps  Maximum positioning speed",
+        "MVP ABS, 0, 51200       01 04 00 00 00 00 c8 00 cd  100 OK    51200  Move to position",
+        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    0 \u{b5}step  Actual position (encoder step in closed loop)",
+        "GAP 1, 0                01 06 01 00 00 00 00 00 08  100 OK    51200 \u{b5}step  Actual position (encoder step in closed loop)",
+        "GAP 18, 0               01 06 12 00 00 00 00 00 19  100 OK    9  Status word: target_reached, position_mode",
+        "MVP KEYWORD, MOTOR, POSITION",
+    ];
+    assert_eq!(lines.get(..6), Some(&expected[..]));
+    assert_eq!((output.status.code(), lines.len()), (Some(0), 10), "{said}");
+}
+
+/// The shell goes on after an error; the worst of them is its exit code.
+#[test]
+fn a_shell_tells_the_worst() {
+    let code = |input: &[u8]| tmcl(&["shell", "--port", "virtual:tmcm-1311"], input).status.code();
+    assert_eq!(code(b""), Some(0));
+    assert_eq!(code(b"get nothing\nGAP 1, 0\n"), Some(2));
+    assert_eq!(code(b"set max_velocity\nwait long\nJA 1\n"), Some(2));
+    assert_eq!(code(b"GAP 29, 0\nget nothing\n"), Some(4));
+}
+
 /// `tmcl explain | head -1`: no complaint.
 #[test]
 fn a_reader_may_leave() {

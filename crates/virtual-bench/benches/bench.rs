@@ -4,8 +4,9 @@
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use tmcl_tables::Command;
 use tmcl_tables::tmcm_1311::AxisParameter;
-use tmcl_tables::tmcm_1640;
+use tmcl_tables::{tmcm_1076, tmcm_1640};
 use tmcl_wire::{Request, serial};
+use virtual_bench::config::Setting;
 use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId, Probe, Quantity};
 
 /// µsteps in a turn at 256 µsteps per full step.
@@ -83,6 +84,20 @@ fn brushless_positioning() -> Bench {
     bench
 }
 
+/// A TMCM-1076 that follows so many pulses a second at so many microsteps, 2^resolution, to a full step.
+fn pulsed(frequency_hz: f64, resolution: i32) -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1076));
+    let parameter = tmcm_1076::AxisParameter::MicrostepResolution.number();
+    send(&mut bench, Command::SetAxisParameter, parameter, resolution);
+    bench.apply(MODULE, Setting::StepAccelerationHzPerS(frequency_hz));
+    bench.apply(MODULE, Setting::StepFrequencyHz(frequency_hz));
+    bench.advance_by(3 * SECOND_NS);
+    let turns_per_s = frequency_hz / (200.0 * f64::from(1 << resolution));
+    let velocity_rps = bench.physical(MODULE).velocity_rpm / 60.0;
+    assert!((velocity_rps / turns_per_s - 1.0).abs() < 0.1, "{velocity_rps} turns a second");
+    bench
+}
+
 fn bench(c: &mut Criterion) {
     let mut second = |name: &str, bench: &Bench| {
         c.bench_function(name, |b| {
@@ -103,6 +118,8 @@ fn bench(c: &mut Criterion) {
     second("bench/1 s closed loop with 300 mA", &closed_loop_after(Command::SetAxisParameter, torque, 300));
     second("bench/1 s of a brushless motor at 2000 rpm", &brushless());
     second("bench/1 s of a brushless motor to a position", &brushless_positioning());
+    second("bench/1 s of a TMCM-1076 at 16 000 pulses/s", &pulsed(16_000.0, 4));
+    second("bench/1 s of a TMCM-1076 at 100 000 pulses/s", &pulsed(100_000.0, 8));
     c.bench_function("bench/snapshot", |b| b.iter(|| moving.clone()));
 }
 

@@ -1,19 +1,25 @@
 //! The bench: modules that share a clock, the wires between them, and what happens to them when.
 
+mod lines;
+
+use module_firmware::tmcm_1076::Tmcm1076;
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::tmcm_1640::Tmcm1640;
-use module_firmware::{PortId, RecordKey, Storage, Vm};
-use tmcl_tables::{GlobalParameter, ModuleSpec};
+use module_firmware::{PORTS, PortId, RecordKey, Storage, Vm};
+use tmcl_tables::ModuleSpec;
 
 use crate::TICK_NS;
 use crate::bldc_bench::BldcBench;
-use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire};
+use crate::bus::Bus;
+use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire, WireEnd};
 use crate::eeprom::Eeprom;
 use crate::hardware::Physical;
 use crate::kind::ModuleKind;
 use crate::module::{Module, VirtualModule};
+use crate::presets::presets;
 use crate::probe::{self, Probe, ProbeError, Quantity};
 use crate::refusals::RefusedInstruction;
+use crate::step_bench::StepBench;
 use crate::stepper_bench::StepperBench;
 
 /// The banks of ports that wires join.
@@ -29,6 +35,7 @@ pub struct ModuleId(pub usize);
 enum AnyModule {
     Tmcm1311(Box<Module<Tmcm1311, StepperBench>>),
     Tmcm1640(Box<Module<Tmcm1640, BldcBench>>),
+    Tmcm1076(Box<Module<Tmcm1076, StepBench>>),
 }
 
 impl AnyModule {
@@ -36,6 +43,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_ref(),
             Self::Tmcm1640(module) => module.as_ref(),
+            Self::Tmcm1076(module) => module.as_ref(),
         }
     }
 
@@ -43,6 +51,7 @@ impl AnyModule {
         match self {
             Self::Tmcm1311(module) => module.as_mut(),
             Self::Tmcm1640(module) => module.as_mut(),
+            Self::Tmcm1076(module) => module.as_mut(),
         }
     }
 }
@@ -53,6 +62,37 @@ struct Slot {
     name: String,
     kind: ModuleKind,
     module: AnyModule,
+    /// Whether nothing about it but the time changed in its last control period, nor since.
+    quiet: bool,
+}
+
+impl Slot {
+    /// The module, to do something to it: the next control period is no longer like the last one.
+    fn touch(&mut self) -> &mut dyn VirtualModule {
+        self.quiet = false;
+        self.module.get_mut()
+    }
+
+    /// One control period, which ends at `until_ns`. One in which nothing can change is gone through at little cost.
+    fn tick(&mut self, until_ns: u64) -> Ticked {
+        let module = self.module.get_mut();
+        if self.quiet && until_ns < module.next_change_ns(until_ns.saturating_sub(TICK_NS)) {
+            module.rest(1, until_ns);
+            return Ticked::default();
+        }
+        let changed = module.tick(until_ns);
+        self.quiet = !changed;
+        Ticked { changed, executed: true }
+    }
+}
+
+/// What came of a module's control period.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ticked {
+    /// Anything but the time changed.
+    changed: bool,
+    /// The firmware had its turn, and may have said something.
+    executed: bool,
 }
 
 /// Modules and their common time.
@@ -64,6 +104,9 @@ pub struct Bench {
     /// In the order of their times.
     events: Vec<Event>,
     next_event: usize,
+    /// What each line is.
+    buses: [Bus; PORTS],
+    modules_hear_replies: bool,
     /// Whether nothing but the time changed in the last control period.
     was_quiet: bool,
 }
@@ -74,10 +117,12 @@ impl Bench {
     pub fn new(config: &BenchConfig) -> Self {
         Self {
             time_ns: 0,
-            slots: config.modules.iter().map(slot).collect(),
+            slots: config.modules.iter().map(|module| slot(module, config)).collect(),
             wires: config.wires.clone(),
             events: config.events.clone(),
             next_event: 0,
+            buses: Default::default(),
+            modules_hear_replies: config.bus.modules_hear_replies,
             was_quiet: false,
         }
     }
@@ -140,25 +185,29 @@ impl Bench {
     /// One control period of every module. Returns whether anything changed but the time.
     fn tick(&mut self) -> bool {
         self.time_ns += TICK_NS;
-        let mut changed = false;
+        let (mut changed, mut executed) = (false, false);
         for slot in &mut self.slots {
-            changed |= slot.module.get_mut().tick(self.time_ns);
+            let ticked = slot.tick(self.time_ns);
+            changed |= ticked.changed;
+            executed |= ticked.executed;
         }
-        let changed = changed | self.carry_signals();
+        changed |= self.carry_signals();
+        changed |= self.run_buses(executed);
         self.was_quiet = !changed;
         changed
     }
 
-    /// Whether everything stands still: nothing but the time changed in the last control period, and no event of the bench
-    /// file is still to come. Programs may be waiting.
+    /// Whether everything stands still: nothing but the time changed in the last control period, nothing is on its way along
+    /// a bus, and no event of the bench file is still to come. Programs may be waiting.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.was_quiet && self.next_event >= self.events.len()
+        self.was_quiet && self.next_event >= self.events.len() && self.next_bus_change_ns() == u64::MAX
     }
 
     /// Goes through the control periods before `time_ns` in which nothing can change. Returns whether there were any.
     fn rest_until(&mut self, time_ns: u64) -> bool {
         let change_ns = self.slots.iter().map(|slot| slot.module.get().next_change_ns(self.time_ns)).min();
+        let change_ns = change_ns.map(|change_ns| change_ns.min(self.next_bus_change_ns()));
         // The period in which something may change, and the one before which an event falls due, are not for resting.
         let before_change_ns = change_ns.map_or(u64::MAX, |change_ns| change_ns.saturating_sub(1));
         let event_ns = self.events.get(self.next_event).map_or(u64::MAX, |event| event.at_ns);
@@ -188,13 +237,17 @@ impl Bench {
     fn carry_signals(&mut self) -> bool {
         let mut changed = false;
         for index in 0..self.wires.len() {
-            let Some(&Wire { from_module, output, to_module, input }) = self.wires.get(index) else { break };
+            let Some(&Wire { from_module, output, to_module, to }) = self.wires.get(index) else { break };
             let from = self.module(ModuleId(from_module));
             let high = from.is_some_and(|module| module.port(OUTPUTS, output) != 0);
-            if let Some(module) = self.module_mut(ModuleId(to_module))
-                && high != (module.port(INPUTS, input) != 0)
-            {
-                module.apply(Setting::Input { number: input, high });
+            let Some(driven) = self.module(ModuleId(to_module)) else { continue };
+            let (level, setting) = match to {
+                WireEnd::Input(number) => (driven.port(INPUTS, number) != 0, Setting::Input { number, high }),
+                WireEnd::Step => (driven.pulse_levels().step, Setting::StepLevel(high)),
+                WireEnd::Dir => (driven.pulse_levels().dir, Setting::DirLevel(high)),
+            };
+            if high != level {
+                self.apply(ModuleId(to_module), setting);
                 changed = true;
             }
         }
@@ -260,7 +313,7 @@ impl Bench {
     /// clients' time, which is virtual time unless said otherwise.
     pub fn set_silence_ns(&mut self, silence_ns: u64) {
         for slot in &mut self.slots {
-            slot.module.get_mut().set_silence(silence_ns / TICK_NS);
+            slot.touch().set_silence(silence_ns / TICK_NS);
         }
     }
 
@@ -330,16 +383,16 @@ impl Bench {
     }
 
     fn module_mut(&mut self, module: ModuleId) -> Option<&mut dyn VirtualModule> {
-        self.slots.get_mut(module.0).map(|slot| slot.module.get_mut())
+        self.slots.get_mut(module.0).map(Slot::touch)
     }
 }
 
-fn slot(config: &ModuleConfig) -> Slot {
+fn slot(config: &ModuleConfig, bench: &BenchConfig) -> Slot {
     let mut eeprom = Eeprom::default();
-    if let Some(address) = config.address {
-        let (bank, number) = GlobalParameter::SerialAddress.address();
+    for (parameter, value) in presets(config, bench.bus.interface) {
+        let (bank, number) = parameter.address();
         // An EEPROM in memory takes every record.
-        let _ = eeprom.write(RecordKey::Global(bank, number), &i32::from(address).to_le_bytes());
+        let _ = eeprom.write(RecordKey::Global(bank, number), &value.to_le_bytes());
     }
     let pace = config.instructions_per_tick;
     let module = match config.kind {
@@ -349,6 +402,9 @@ fn slot(config: &ModuleConfig) -> Slot {
         ModuleKind::Tmcm1640 => {
             AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, pace)))
         }
+        ModuleKind::Tmcm1076 => {
+            AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, pace)))
+        }
     };
-    Slot { name: config.name.clone(), kind: config.kind, module }
+    Slot { name: config.name.clone(), kind: config.kind, module, quiet: false }
 }

@@ -22,6 +22,13 @@ pub(crate) trait Hardware: Clone {
     fn physical(&self) -> Physical;
 }
 
+/// The levels at STEP and DIR.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PulseLevels {
+    pub(crate) step: bool,
+    pub(crate) dir: bool,
+}
+
 /// The truth about a motor, in the order of [`Physical::NAMES`]. What its kind of motor does not have is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Physical {

@@ -8,18 +8,24 @@
 mod bench;
 mod bench_parts;
 mod bldc_bench;
+mod bus;
 pub mod config;
 mod eeprom;
 pub mod expect;
 mod hardware;
 mod kind;
 mod module;
+mod presets;
 mod probe;
+mod pulse_source;
 mod refusals;
+mod step_bench;
 mod stepper_bench;
+mod stepper_stage;
 mod trace;
 
 pub use bench::{Bench, ModuleId};
+pub use bus::Wiring;
 pub use config::BenchConfig;
 pub use eeprom::Eeprom;
 pub use hardware::Physical;
@@ -27,6 +33,7 @@ pub use kind::{ModuleKind, UnknownModuleKind};
 pub use module_firmware::{PORTS, PortId, ProgramMode, Vm};
 pub use probe::{Probe, ProbeError, Quantity};
 pub use refusals::RefusedInstruction;
+pub use tmcl_wire::can;
 pub use trace::{Column, Trace};
 
 /// A control period.

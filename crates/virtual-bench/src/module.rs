@@ -1,11 +1,12 @@
 //! One virtual module: firmware, hardware and EEPROM.
 
-use module_firmware::{Axis, Firmware, PortId, Vm};
+use module_firmware::{Axis, Firmware, Line, PORTS, PortId, Vm};
+use tmcl_wire::can::Frame;
 
 use crate::TICK_NS;
 use crate::config::{Power, Setting};
 use crate::eeprom::Eeprom;
-use crate::hardware::{Hardware, Physical};
+use crate::hardware::{Hardware, Physical, PulseLevels};
 use crate::refusals::Refusals;
 
 /// What the bench does with a module of any kind.
@@ -20,6 +21,18 @@ pub(crate) trait VirtualModule {
     fn receive(&mut self, port: PortId, bytes: &[u8]) -> usize;
     /// Appends what leaves a port to `out`.
     fn transmit(&mut self, port: PortId, out: &mut Vec<u8>);
+    /// The next byte that leaves a port.
+    fn transmit_byte(&mut self, port: PortId) -> Option<u8>;
+    /// A frame arrives at a port on CAN. What there is no room for is lost.
+    fn receive_frame(&mut self, port: PortId, frame: &Frame);
+    /// The next frame that leaves a port on CAN.
+    fn transmit_frame(&mut self, port: PortId) -> Option<Frame>;
+    /// What a port is connected to, from now on.
+    fn set_line(&mut self, port: PortId, line: Line);
+    /// Bits a second on RS485.
+    fn baud_rate(&self) -> u32;
+    /// Bits a second on CAN.
+    fn can_bit_rate(&self) -> u32;
     /// Whether bytes wait to leave a port.
     fn has_output(&self, port: PortId) -> bool;
     /// The client at a port went away.
@@ -42,6 +55,8 @@ pub(crate) trait VirtualModule {
     fn encoder_counts(&self) -> i32;
     /// Pulses at the step/direction connector, those to the right less those to the left.
     fn step_pulses(&self) -> i64;
+    /// Levels that wires drive at STEP and DIR.
+    fn pulse_levels(&self) -> PulseLevels;
     /// The truth about the shaft.
     fn physical(&self) -> Physical;
     /// The EEPROM.
@@ -60,6 +75,10 @@ pub(crate) trait Surroundings {
     fn encoder_counts(&self) -> i32;
     /// Pulses at the step/direction connector, those to the right less those to the left.
     fn step_pulses(&self) -> i64;
+    /// Levels that wires drive at STEP and DIR; low where none does.
+    fn pulse_levels(&self) -> PulseLevels {
+        PulseLevels::default()
+    }
 }
 
 /// A module on the bench.
@@ -70,6 +89,7 @@ pub(crate) struct Module<A: Axis, H> {
     eeprom: Eeprom,
     powered: bool,
     silence_ticks: Option<u64>,
+    lines: [Line; PORTS],
     instructions_per_tick: u16,
     refusals: Refusals,
     time_ns: u64,
@@ -90,6 +110,7 @@ where
             eeprom,
             powered: true,
             silence_ticks: None,
+            lines: [Line::Usb; PORTS],
             instructions_per_tick,
             refusals,
             time_ns: 0,
@@ -103,6 +124,9 @@ where
         self.firmware.set_instructions_per_tick(self.instructions_per_tick);
         if let Some(ticks) = self.silence_ticks {
             self.firmware.set_silence(ticks);
+        }
+        for (port, line) in PortId::ALL.into_iter().zip(self.lines) {
+            self.firmware.set_line(port, line);
         }
     }
 
@@ -175,6 +199,44 @@ where
         }
     }
 
+    fn transmit_byte(&mut self, port: PortId) -> Option<u8> {
+        let byte = self.firmware.transmit(port)?;
+        // Room in the outbox lets the next request in the inbox go ahead.
+        self.firmware.background(&mut self.eeprom);
+        self.work();
+        Some(byte)
+    }
+
+    fn receive_frame(&mut self, port: PortId, frame: &Frame) {
+        if self.powered {
+            // A frame that there is no room for is lost.
+            let _ = self.firmware.receive_frame(port, frame);
+            self.work();
+        }
+    }
+
+    fn transmit_frame(&mut self, port: PortId) -> Option<Frame> {
+        let frame = self.firmware.transmit_frame(port)?;
+        self.firmware.background(&mut self.eeprom);
+        self.work();
+        Some(frame)
+    }
+
+    fn set_line(&mut self, port: PortId, line: Line) {
+        if let Some(known) = self.lines.get_mut(port.index()) {
+            *known = line;
+        }
+        self.firmware.set_line(port, line);
+    }
+
+    fn baud_rate(&self) -> u32 {
+        self.firmware.baud_rate()
+    }
+
+    fn can_bit_rate(&self) -> u32 {
+        self.firmware.can_bit_rate()
+    }
+
     fn has_output(&self, port: PortId) -> bool {
         self.firmware.has_output(port)
     }
@@ -225,6 +287,10 @@ where
 
     fn step_pulses(&self) -> i64 {
         self.hardware.step_pulses()
+    }
+
+    fn pulse_levels(&self) -> PulseLevels {
+        self.hardware.pulse_levels()
     }
 
     fn physical(&self) -> Physical {

@@ -64,15 +64,17 @@ pub enum ProbeError {
 /// The bank of the user variables (TMCM-1311 §10.3).
 const VARIABLES: u8 = 2;
 
-/// What the sensors count; pulses come to modules for steppers only.
+/// What the sensors count; pulses come to modules for steppers only, and a TMCM-1076 has no encoder.
 const SENSED: [(&str, Quantity); 2] =
     [("sensed.encoder_counts", Quantity::EncoderCounts), ("sensed.step_pulses", Quantity::StepPulses)];
 
 /// What a module's sensors count.
 fn sensed(spec: &'static ModuleSpec) -> &'static [(&'static str, Quantity)] {
-    let [counts, _] = &SENSED;
+    let [counts, pulses] = &SENSED;
+    let has_sensors = ModuleKind::try_from(spec).is_ok_and(ModuleKind::has_sensors);
     match family(spec) {
-        MotorFamily::Stepper => &SENSED,
+        MotorFamily::Stepper if has_sensors => &SENSED,
+        MotorFamily::Stepper => core::slice::from_ref(pulses),
         MotorFamily::Brushless => core::slice::from_ref(counts),
     }
 }
@@ -169,7 +171,7 @@ fn no_quantity(name: &str, spec: &'static ModuleSpec) -> ProbeError {
 
 /// The numbers there are, for a name that ends in one.
 fn numbered(name: &str, spec: &ModuleSpec) -> Option<String> {
-    if name.starts_with("variable.") {
+    if name.starts_with("variable.") && has_variables(spec) {
         return Some("there are `variable.0` to `variable.255`".to_owned());
     }
     if name.starts_with("coordinate.") {
@@ -179,7 +181,12 @@ fn numbered(name: &str, spec: &ModuleSpec) -> Option<String> {
     let (prefix, bank) = PORTS.into_iter().find(|(prefix, _)| name.starts_with(prefix))?;
     let ports = spec.ports.iter().filter(|port| port.bank == bank);
     let names: Vec<_> = ports.map(|port| format!("`{prefix}{}`", port.number)).collect();
-    Some(format!("there are {}", names.join(", ")))
+    (!names.is_empty()).then(|| format!("there are {}", names.join(", ")))
+}
+
+/// Whether a module has user variables: one without programs has none.
+fn has_variables(spec: &ModuleSpec) -> bool {
+    spec.global_parameter(VARIABLES, 0).is_some()
 }
 
 /// What there is on a module.
@@ -187,9 +194,16 @@ fn all_kinds(spec: &'static ModuleSpec) -> String {
     let physical: Vec<_> = Physical::names_of(family(spec)).map(|(_, name)| name).collect();
     let coordinates = if spec.coordinates > 0 { "`coordinate.N`, " } else { "" };
     let sensed: Vec<_> = sensed(spec).iter().map(|(name, _)| format!("`{name}`")).collect();
+    let parameters = if has_variables(spec) {
+        "axis and global parameters such as `actual_position` and `tick_timer`, `variable.N`"
+    } else {
+        "axis parameters such as `max_current`"
+    };
+    let ports = [("`input.N`, ", 0), ("`output.N`, ", 2), ("`ain.N`, ", 1)];
+    let ports = ports.iter().filter(|(_, bank)| spec.ports.iter().any(|port| port.bank == *bank));
+    let ports: String = ports.map(|(name, _)| *name).collect();
     format!(
-        "there are axis and global parameters such as `actual_position` and `tick_timer`, `variable.N`, {coordinates}\
-         `input.N`, `output.N`, `ain.N`, {}, and physical.{{{}}}",
+        "there are {parameters}, {coordinates}{ports}{}, and physical.{{{}}}",
         sensed.join(", "),
         physical.join(", ")
     )

@@ -491,8 +491,8 @@ fn about_program(random: &mut Random) -> Request {
 
 /// What the generator leaves out, because the model could not tell what follows.
 fn is_out_of_scope(request: Request, aloud: bool) -> bool {
-    // ASCII mode (139) comes with a later issue, and then ends the binary conversation (decisions 1.10, 2a.16); likewise
-    // bit 0 of global parameter 67 at the next restart.
+    // ASCII mode (139) ends the binary conversation (decisions 1.10, 2a.16); likewise bit 0 of global parameter 67 at the
+    // next restart.
     if request.command == Command::EnterAsciiMode.number() {
         return true;
     }

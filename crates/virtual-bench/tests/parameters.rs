@@ -257,7 +257,7 @@ fn clear_on_null_is_bit_2_of_the_encoder_mode() {
 /// Closed loop comes with a later issue: until then its switches keep what is written, and it is never ready.
 /// A value to tell from the default, and one that does no harm on a module that stands.
 fn another_value(place: Place, spec: &ParameterSpec) -> i64 {
-    // ASCII at power-on comes with a later issue; 16 sets up its echo only (§4.4.4).
+    // Bit 0 would have the next power-on in ASCII; 16 sets up its echo only (§4.4.4).
     if place == Place::global(GlobalParameter::AsciiMode) {
         return 16;
     }

@@ -25,9 +25,6 @@ const FLOW_CONTROL: [Command; 12] = [
     Command::ReturnFromInterrupt,
 ];
 
-/// ASCII mode comes with a later issue.
-const LATER: [Command; 1] = [Command::EnterAsciiMode];
-
 /// Addresses of the program memory: 2048 instructions (decisions 3.1).
 const ADDRESSES: [(i32, Status); 7] = [
     (0, Ok),
@@ -56,7 +53,7 @@ const REFUSE_ZEROS: [(Command, Status); 10] = [
 fn status_of_zeros(number: u8) -> Status {
     let command = Command::ALL.iter().copied().find(|command| command.number() == number);
     let Some(command) = command.filter(|_| SPEC.command(number).is_some()) else { return InvalidCommand };
-    if FLOW_CONTROL.contains(&command) || LATER.contains(&command) {
+    if FLOW_CONTROL.contains(&command) {
         return NotAvailable;
     }
     match number {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Result, bail};
 
-use super::data::{Module, Parameter, Tables};
+use super::data::{Module, Parameter, Role, Tables};
 
 /// Checks everything, and reports every finding at once.
 pub(crate) fn check(tables: &Tables) -> Result<()> {
@@ -96,6 +96,14 @@ fn check_parameter(parameter: &Parameter, place: &str, findings: &mut Vec<String
     }
     if !["R", "W", "RW", "RWE", "RE"].contains(&parameter.access.as_str()) {
         complain("access is R, W, RW, RE or RWE");
+    }
+    let in_configuration = parameter.role() != Role::State;
+    if in_configuration && !parameter.access.starts_with("RW") {
+        complain("only what can be read and written is part of a configuration");
+    }
+    let may_write = |value| parameter.write_range().iter().any(|&(low, high)| (low..=high).contains(&value));
+    if parameter.values.iter().filter_map(|named| named.write).any(|value| !may_write(value)) {
+        complain("what is written for a named value is in the range for writing");
     }
     if parameter.fields.iter().any(|field| field.bits[0] > field.bits[1] || field.bits[1] > 31) {
         complain("bits = [lowest, highest] within 32");

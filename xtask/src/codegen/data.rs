@@ -163,6 +163,7 @@ pub(crate) struct Parameter {
     #[serde(default)]
     pub(crate) default_from: Source,
     pub(crate) access: String,
+    role: Option<Role>,
     #[serde(default)]
     pub(crate) unsigned: bool,
     #[serde(default)]
@@ -187,6 +188,15 @@ impl Parameter {
         self.last.unwrap_or(self.number)
     }
 
+    /// Its part in a configuration: what can be both read and written is a setting unless the table says otherwise.
+    pub(crate) fn role(&self) -> Role {
+        match self.role {
+            Some(role) => role,
+            None if self.access.starts_with("RW") => Role::Setting,
+            None => Role::State,
+        }
+    }
+
     /// What a write may carry.
     pub(crate) fn write_range(&self) -> &[(i64, i64)] {
         self.write_range.as_deref().unwrap_or(&self.range)
@@ -201,10 +211,20 @@ pub(crate) enum Source {
     Chosen,
 }
 
+#[derive(Deserialize, Debug, Clone, Copy, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Role {
+    Setting,
+    Connection,
+    Lock,
+    State,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct NamedValue {
     pub(crate) value: i64,
+    pub(crate) write: Option<i64>,
     pub(crate) id: String,
     pub(crate) name: String,
 }

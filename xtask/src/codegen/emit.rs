@@ -292,8 +292,11 @@ fn parameter(entry: &Parameter) -> String {
         .iter()
         .map(|named| {
             format!(
-                "NamedValue {{ value: {}, id: text({:?}), name: text({:?}) }}",
-                named.value, named.id, named.name
+                "NamedValue {{ value: {}, write: {}, id: text({:?}), name: text({:?}) }}",
+                named.value,
+                named.write.unwrap_or(named.value),
+                named.id,
+                named.name
             )
         })
         .collect();
@@ -310,7 +313,7 @@ fn parameter(entry: &Parameter) -> String {
     format!(
         "ParameterSpec {{ number: {}, name: text({:?}), id: text({:?}), summary: text({:?}), unit: text({:?}), closed_loop_unit: text({:?}), \
          range: {}, range_from: {}, write_range: {}, default: {}, default_from: {}, \
-         access: Access {{ read: {}, write: {}, store: {} }}, unsigned: {}, values: list(&[{}]), fields: list(&[{}]), \
+         access: Access {{ read: {}, write: {}, store: {} }}, role: Role::{:?}, unsigned: {}, values: list(&[{}]), fields: list(&[{}]), \
          starts_motion: {}, repeat_safe: {}, section: text({:?}), beyond_manual: text({:?}), note: text({:?}) }}",
         entry.number,
         entry.name,
@@ -326,6 +329,7 @@ fn parameter(entry: &Parameter) -> String {
         entry.access.contains('R'),
         entry.access.contains('W'),
         entry.access.contains('E'),
+        entry.role(),
         entry.unsigned,
         values.join(", "),
         fields.join(", "),

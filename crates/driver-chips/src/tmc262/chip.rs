@@ -4,13 +4,23 @@ use core::f64::consts::SQRT_2;
 
 use motor_physics::Terminal;
 
-use super::coil::CoilMonitor;
-use super::coolstep::Regulator;
-use super::sequencer::{AMPLITUDE, Command, Sequencer};
-use super::stallguard::Measurement;
-use super::standstill::Standstill;
-use super::temperature::Temperature;
-use super::{Pins, Registers, chopper};
+use super::sequencer::Sequencer;
+use super::{Pins, Registers};
+use crate::stepper::chopper;
+use crate::stepper::coil::CoilMonitor;
+use crate::stepper::coolstep::Regulator;
+use crate::stepper::stallguard::{Measurement, StallGuard};
+use crate::stepper::standstill::Standstill;
+use crate::stepper::table::{AMPLITUDE, Command};
+use crate::stepper::temperature::{Levels, Temperature};
+
+/// The chip's clock.
+const CLOCK_HZ: f64 = 16e6;
+
+/// Datasheet, "Temperature Sensors"; the pre-warning ends 5 K lower (decision: no hysteresis is given for it), and the
+/// bridges come back at the TMC262C's release level.
+const LEVELS: Levels =
+    Levels { warning_c: 100.0, warning_end_c: 95.0, shutdown_c: 150.0, shutdown_end_c: 120.0 };
 
 /// What the board makes of the chip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,9 +95,9 @@ impl Tmc262 {
     /// No voltage exceeds the bus. The bridges are off with an off time of 0, and after a short or at over-temperature.
     pub fn advance(&mut self, registers: &Registers, pins: &Pins, period_s: f64) -> [Terminal; 2] {
         let command = self.sequencer.advance(registers.coils);
-        self.standstill.advance(command.changed, period_s);
-        self.temperature.update(pins.temperature_c);
-        self.coolstep.follow(registers);
+        self.standstill.advance(command.changed, (period_s * CLOCK_HZ + 0.5) as u32);
+        self.temperature.update(pins.temperature_c, &LEVELS);
+        self.coolstep.follow(registers.current_scale, registers.coolstep);
         if self.off(registers) {
             return self.release(registers, pins);
         }
@@ -98,9 +108,10 @@ impl Tmc262 {
             return self.release(registers, pins);
         }
         let (coils, [target_a, target_b]) = (pins.coils(), targets_a);
+        let protected = !registers.short_protection_disabled;
         [
-            chopper::terminal(target_a, coils[0], pins, registers, period_s),
-            chopper::terminal(target_b, coils[1], pins, registers, period_s),
+            chopper::terminal(target_a, coils[0], pins, protected, period_s),
+            chopper::terminal(target_b, coils[1], pins, protected, period_s),
         ]
     }
 
@@ -140,9 +151,10 @@ impl Tmc262 {
             return;
         }
         let peak_a = self.peak_current_a(registers);
-        let reading = self.stallguard.sample(command, peak_a, pins, registers);
-        if let Some(reading) = reading {
-            self.coolstep.take(reading, registers);
+        let settings =
+            StallGuard { threshold: registers.stallguard_threshold, filter: registers.stallguard_filter };
+        if let Some(reading) = self.stallguard.sample(command, peak_a, pins, settings) {
+            self.coolstep.take(reading, registers.coolstep);
         }
     }
 

@@ -4,18 +4,11 @@
 //! the windings. It never learns where the rotor is: like the silicon it sees currents and back-EMF only.
 
 mod chip;
-mod chopper;
-mod coil;
-mod coolstep;
-mod pins;
 mod registers;
 mod sequencer;
-mod stallguard;
-mod standstill;
-mod temperature;
 #[cfg(test)]
 mod tests;
 
+pub use crate::stepper::{CoilFault, CoolStep, Pins};
 pub use chip::{Board, Status, Tmc262};
-pub use pins::{CoilFault, Pins};
-pub use registers::{Coils, CoolStep, Registers};
+pub use registers::{Coils, Registers};

@@ -1,5 +1,7 @@
 //! What can be written to the chip over SPI, as far as it changes its averaged behaviour.
 
+use crate::stepper::CoolStep;
+
 /// The chip's registers. The default is the state after power-on: all zero, bridges off.
 ///
 /// A field that holds more than its register has bits for acts as the largest value that fits.
@@ -40,19 +42,4 @@ impl Default for Coils {
     fn default() -> Self {
         Self::StepDirection { microstep_resolution: 0 }
     }
-}
-
-/// SMARTEN: how the current follows the load.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CoolStep {
-    /// SEMIN, 0 to 15: readings below 32 · SEMIN raise the current. 0 switches coolStep off.
-    pub lower_threshold: u8,
-    /// SEMAX, 0 to 15: readings from 32 · (SEMIN + SEMAX + 1) on lower the current.
-    pub hysteresis: u8,
-    /// SEUP, 0 to 3: the current rises by 1, 2, 4 or 8 a reading.
-    pub up_step: u8,
-    /// SEDN, 0 to 3: the current falls by 1 after 32, 8, 2 or 1 readings.
-    pub down_step: u8,
-    /// SEIMIN: the current may fall to a quarter of CS, instead of a half.
-    pub quarter_minimum: bool,
 }

@@ -51,6 +51,7 @@ impl<A: Axis> Firmware<A> {
             GlobalParameter::Timer0Period => self.sources.set_timer(0, value, self.ticks),
             GlobalParameter::Timer1Period => self.sources.set_timer(1, value, self.ticks),
             GlobalParameter::Timer2Period => self.sources.set_timer(2, value, self.ticks),
+            GlobalParameter::SerialAddress => self.leave_ascii_without_letter(),
             GlobalParameter::SerialHeartbeat => self.restart_heartbeat(),
             GlobalParameter::InterfaceSelection => self.select_interface(),
             _ => {}

@@ -42,7 +42,7 @@ impl<A: Axis> Firmware<A> {
 
     pub(super) fn get_input(&self, request: &Request) -> Executed {
         let &Request { kind: number, motor: bank, .. } = request;
-        if (bank, number) == (INPUT_BANK, ALL_PORTS) {
+        if (bank, number) == (INPUT_BANK, ALL_PORTS) && !outputs::<A>().is_empty() {
             let bits = A::SPEC.ports.iter().filter(|spec| spec.bank == INPUT_BANK).map(|spec| {
                 let level = A::port(spec.bank, spec.number).map_or(0, |port| self.axis.read_port(port));
                 (level & 1) << spec.number

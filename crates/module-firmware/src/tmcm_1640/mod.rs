@@ -146,6 +146,7 @@ impl Axis for Tmcm1640 {
 
     fn skip(&mut self, ticks: u64) {
         self.minute_ticks += ticks;
+        self.calm_ticks = self.calm_ticks.saturating_add(ticks);
         self.i2t.skip(ticks, self.current_square(), self.i2t_limit());
         self.current_due = later(self.current_due, ticks, self.current_interval());
         self.velocity_due = later(self.velocity_due, ticks, self.velocity_interval());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use tmcl_tables::{CommandSpec, ModuleSpec, commands};
+use tmcl_tables::{CommandSpec, Mode, ModuleSpec, commands};
 
 use super::check;
 use super::count;
@@ -47,6 +47,7 @@ impl Read {
 pub(super) struct Builder<'a> {
     loaded: &'a Loaded,
     pub(super) module: &'static ModuleSpec,
+    mode: Mode,
     /// Whether commands, parameters and the like are held against the module's tables.
     pub(super) checks_module: bool,
     /// Whether a STOP follows a program that does not end.
@@ -66,7 +67,8 @@ impl<'a> Builder<'a> {
         Self {
             loaded,
             module,
-            checks_module: target.is_known && module.program_memory > 0,
+            mode: target.mode,
+            checks_module: target.is_known && (target.mode == Mode::Direct || module.program_memory > 0),
             appends_stop: target.appends_stop,
             names,
             near: NearMisses::default(),
@@ -177,7 +179,12 @@ impl<'a> Builder<'a> {
         }
         let (mnemonic, module) = (spec.mnemonic, self.module.name);
         match self.module.command(spec.number) {
-            Some(entry) if entry.modes.program => None,
+            Some(entry) if entry.modes.allow(self.mode) => None,
+            Some(_) if self.mode == Mode::Direct => {
+                let message = format!("{mnemonic} cannot be sent to a {module}");
+                let diagnostic = Diagnostic::new(Code::CommandMissing, span, message);
+                Some(diagnostic.note("it works in stand-alone programs only"))
+            }
             Some(_) => {
                 let message = format!("{mnemonic} cannot stand in a program of the {module}");
                 let diagnostic = Diagnostic::new(Code::CommandMissing, span, message);
@@ -205,7 +212,7 @@ impl<'a> Builder<'a> {
             let end = self.loaded.sources.get(Sources::ROOT).map_or(0, |root| root.bytes.len());
             self.origins.push(Span::new(Sources::ROOT, end..end));
         }
-        if is_written {
+        if is_written && self.mode == Mode::Program {
             let complaint = self.too_long();
             self.diagnostics.extend(complaint);
         }

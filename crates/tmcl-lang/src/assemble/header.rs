@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use tmcl_tables::{MODULES, ModuleSpec, module_by_id, tmcm_1311};
+use tmcl_tables::{MODULES, Mode, ModuleSpec, module_by_id, tmcm_1311};
 
 use super::suggest::NearMisses;
 use super::words;
@@ -15,6 +15,8 @@ use crate::syntax::File;
 /// The module that a program is for.
 pub(super) struct Target {
     pub(super) module: &'static ModuleSpec,
+    /// Whether a program holds the commands, or a host sends them.
+    pub(super) mode: Mode,
     /// Whether the caller or the file said so.
     pub(super) is_named: bool,
     /// Whether it is the one that was meant; without it nothing can be said of parameters and ports.
@@ -27,7 +29,14 @@ pub(super) struct Target {
 /// The caller's module, or the one that the file names, or else the TMCM-1311.
 pub(super) fn target(module: Option<&'static ModuleSpec>, file: &File, bytes: &[u8]) -> Target {
     let appends_stop = !says_no_final_stop(file, bytes);
-    let named = |module| Target { module, is_named: true, is_known: true, appends_stop, diagnostic: None };
+    let named = |module| Target {
+        module,
+        mode: Mode::Program,
+        is_named: true,
+        is_known: true,
+        appends_stop,
+        diagnostic: None,
+    };
     if let Some(module) = module {
         return named(module);
     }

@@ -20,15 +20,16 @@ mod operand;
 mod suggest;
 mod words;
 
-use tmcl_tables::ModuleSpec;
+use tmcl_tables::{Mode, ModuleSpec};
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::program::Program;
 use crate::resolver::Resolver;
 use crate::source::{SourceFile, Sources};
-use crate::syntax::parse;
+use crate::syntax::{Parse, parse};
 
 use builder::Builder;
+use header::Target;
 use names::Names;
 
 /// What became of a text.
@@ -59,7 +60,33 @@ pub fn assemble(
     resolver: &mut dyn Resolver,
 ) -> Assembly {
     let parsed = parse(Sources::ROOT, &root.bytes);
-    let mut target = header::target(module, &parsed.file, &root.bytes);
+    let target = header::target(module, &parsed.file, &root.bytes);
+    finish(root, parsed, target, resolver)
+}
+
+/// Assembles commands as a host sends them, one a line: what only a program can hold is complained about, no STOP is appended,
+/// and any number of them will do.
+///
+/// A complaint with a code from E0202 to E0210 or E0213 is the tables' opinion of a command that is nevertheless the one that
+/// was written, unless its value does not fit 32 bits: a module may be newer than the tables.
+pub fn assemble_commands(
+    root: SourceFile,
+    module: &'static ModuleSpec,
+    resolver: &mut dyn Resolver,
+) -> Assembly {
+    let parsed = parse(Sources::ROOT, &root.bytes);
+    let target = header::Target {
+        module,
+        mode: Mode::Direct,
+        is_named: true,
+        is_known: true,
+        appends_stop: false,
+        diagnostic: None,
+    };
+    finish(root, parsed, target, resolver)
+}
+
+fn finish(root: SourceFile, parsed: Parse, mut target: Target, resolver: &mut dyn Resolver) -> Assembly {
     let mut loaded = load::inline(root, parsed, target.module, resolver);
     let mut diagnostics = core::mem::take(&mut loaded.diagnostics);
     diagnostics.extend(target.diagnostic.take());

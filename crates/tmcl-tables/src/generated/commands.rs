@@ -1482,7 +1482,9 @@ pub static COMMANDS: [CommandSpec; 56] = [
         modes: Modes { direct: true, program: false },
         starts_motion: false,
         repeat_safe: false,
-        note: text(""),
+        note: text(
+            "Status 6 on CAN, which has no ASCII, and where the module's address has no letter (1 to 26 are A to Z)",
+        ),
     },
     CommandSpec {
         command: Command::SoftwareReset,

@@ -156,7 +156,7 @@ pub enum GlobalParameter {
     EndSwitchPolarity,
     /// Protect the program in memory from being read out or overwritten; going from 1 or 3 to 0 or 2 erases it first.
     CodeProtection,
-    /// Second CAN identifier the module listens to; 0 = none.
+    /// Second CAN identifier: commands to it are executed but not answered; 0 = none.
     CanSecondaryId,
     /// Whether coordinates 1 to 20 live in RAM only or are also stored and brought back at power-on.
     CoordinateStorage,

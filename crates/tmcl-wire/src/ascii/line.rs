@@ -28,7 +28,7 @@ pub enum Typed {
 /// CR ends it, and so does LF, so that after CR LF there is an empty line, which is none (decision). Backspace (08) and
 /// delete (7F) erase the last character. What is typed beyond [`LINE_LENGTH`] is counted, so that it can be erased, and makes
 /// the line no command.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct CommandLine {
     bytes: [u8; LINE_LENGTH],
     length: usize,
@@ -38,6 +38,12 @@ pub struct CommandLine {
 impl Default for CommandLine {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl core::fmt::Debug for CommandLine {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "CommandLine(\"{}\" and {} more)", self.text().escape_ascii(), self.beyond)
     }
 }
 

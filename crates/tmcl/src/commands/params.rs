@@ -1,7 +1,7 @@
 //! `tmcl params`: a module's parameters.
 
 use serde::Serialize;
-use tmcl_tables::{ParameterSpec, ParametersMarkdown, Selection, Source, ValueSet};
+use tmcl_tables::{ParameterSpec, ParametersMarkdown, Role, Selection, Source, ValueSet};
 
 use crate::arguments::Params;
 use crate::exit::{Code, Failure, Outcome};
@@ -25,6 +25,7 @@ struct Row {
     default: i64,
     default_chosen: bool,
     access: String,
+    role: &'static str,
     unsigned: bool,
     values: Vec<Value>,
     fields: Vec<Field>,
@@ -136,6 +137,12 @@ fn row(bank: Option<u8>, last: u8, spec: &ParameterSpec) -> Row {
         default: spec.default,
         default_chosen: spec.default_from == Source::Chosen,
         access: spec.access.to_string(),
+        role: match spec.role {
+            Role::Setting => "setting",
+            Role::Connection => "connection",
+            Role::Lock => "lock",
+            Role::State => "state",
+        },
         unsigned: spec.unsigned,
         values: spec
             .values

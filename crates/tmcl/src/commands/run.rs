@@ -53,6 +53,10 @@ pub(crate) fn run(options: &Run) -> Outcome {
         Some(config) => config,
         None => BenchConfig::default_for(virtual_kind(checked.assembly.program.module)?),
     };
+    if let Some(first) = config.modules.first().filter(|module| module.kind.spec().program_memory == 0) {
+        let message = format!("a {} has no program memory: it runs no programs", first.kind.spec().name);
+        return Err(Failure::new(Code::Usage, message).into());
+    }
     let mut session = Session::new(&config, &checked.assembly, options)?;
     session.start(&config)?;
     let started = Instant::now();

@@ -1,18 +1,22 @@
-//! `tmcl serve`: a virtual module on ports.
+//! `tmcl serve`: virtual modules on ports.
+
+mod advice;
+mod wiring;
 
 use std::path::Path;
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tmcl_server::{Advance, Notice, Server};
-use tmcl_tables::GlobalParameter;
-use virtual_bench::{Bench, BenchConfig, ModuleKind, PORTS};
+use tmcl_server::{Advance, Notice, Server, Settings};
+use virtual_bench::{Bench, PORTS};
 
-use crate::arguments::Serve;
+use crate::arguments::{Baud, Serve};
 use crate::bench_file;
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 use crate::recording::Recorder;
+use advice::Advice;
+use wiring::Lines;
 
 /// Where it listens when nothing is said.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5311";
@@ -22,10 +26,13 @@ const SAMPLE_NS: u64 = 10_000_000;
 
 /// Serves until a signal ends it.
 pub(crate) fn run(options: &Serve) -> Outcome {
-    check_ports(options)?;
-    let config = bench_file::load(options.module, options.bench.as_deref())?;
-    let client = Client::of(&config);
+    let mut config = bench_file::load_several(&options.modules, options.bench.as_deref())?;
+    let lines = Lines::of(options, &config)?;
+    config.bus.interface = lines.interface();
+    let advice = Advice::of(&config);
     let bench = Bench::new(&config);
+    let follows_terminal = options.baud == Some(Baud::Auto);
+    lines.warn(&bench, &config, follows_terminal);
     let recording = &options.recording;
     let recorder = Recorder::wanted(&bench, recording, SAMPLE_NS)?;
     let recorder = recorder.map(|recorder| Arc::new(Mutex::new(recorder)));
@@ -35,13 +42,14 @@ pub(crate) fn run(options: &Serve) -> Outcome {
         let _ = stop.send(());
     })
     .map_err(|error| Failure::new(Code::Connection, format!("cannot wait for signals: {error}")))?;
-    let mut server = Server::start_with(bench, options.speed, advance(recorder.clone()), say);
-    listen(&mut server, options, &client)?;
+    let settings = Settings { speed: options.speed, serial: lines.serial, follows_terminal };
+    let mut server = Server::start_with(bench, settings, advance(recorder.clone()), say);
+    listen(&mut server, options, lines, &advice)?;
     // An error would mean that the handler is gone, and with it the only way to be told.
     let _ = stopped.recv();
     drop(server);
     if let Some(recorder) = recorder {
-        recorder.lock().unwrap_or_else(PoisonError::into_inner).finish(recording, client.name)?;
+        recorder.lock().unwrap_or_else(PoisonError::into_inner).finish(recording, advice.first)?;
     }
     Ok(())
 }
@@ -56,38 +64,49 @@ fn advance(recorder: Option<Arc<Mutex<Recorder>>>) -> Advance {
     }
 }
 
-fn listen(server: &mut Server, options: &Serve, client: &Client) -> Outcome {
+fn listen(server: &mut Server, options: &Serve, lines: Lines, advice: &Advice) -> Outcome {
     let default = [DEFAULT_ADDRESS.to_owned()];
-    let addresses =
-        if options.tcp.is_empty() && options.pty.is_empty() { &default[..] } else { &options.tcp };
+    let addresses = if options.tcp.is_empty() && options.pty.is_empty() && !lines.can {
+        &default[..]
+    } else {
+        &options.tcp
+    };
     for address in addresses {
-        let address =
-            server.listen_tcp(address).map_err(|error| Failure::new(Code::Connection, error.to_string()))?;
+        let address = server.listen_tcp(address).map_err(failure)?;
         print::text(&format!("listening tcp {address}\n"))?;
-        client.advise("socket_serial_tmcl", &address.to_string());
+        advice.give("socket_serial_tmcl", &address.to_string(), "");
     }
+    let rate = lines.baud().map(|baud| format!(" --data-rate {baud}")).unwrap_or_default();
     for path in &options.pty {
         listen_pty(server, path)?;
         print::text(&format!("listening pty {}\n", path.display()))?;
-        client.advise("serial_tmcl", &path.display().to_string());
+        advice.give("serial_tmcl", &path.display().to_string(), &rate);
+    }
+    for path in &options.slcan {
+        listen_slcan(server, path)?;
+        print::text(&format!("listening slcan {}\n", path.display()))?;
+        advice.give("slcan_tmcl", &path.display().to_string(), "");
+    }
+    for interface in &options.can {
+        server.join_can(interface).map_err(failure)?;
+        print::text(&format!("listening can {interface}\n"))?;
+        advice.give("socketcan_tmcl", interface, "");
     }
     Ok(())
 }
 
-/// Each pseudo terminal holds a port of the module, and TCP clients want one too.
-fn check_ports(options: &Serve) -> Result<(), Failure> {
-    let needed = options.pty.len() + usize::from(!options.tcp.is_empty());
-    if needed > PORTS {
-        let message =
-            format!("a module has {PORTS} ports: each --pty holds one, and --tcp needs one for its clients");
-        return Err(Failure::new(Code::Usage, message));
-    }
-    Ok(())
+fn failure(error: impl std::fmt::Display) -> Failure {
+    Failure::new(Code::Connection, error.to_string())
 }
 
 #[cfg(unix)]
 fn listen_pty(server: &mut Server, path: &Path) -> Result<(), Failure> {
-    server.listen_pty(path).map_err(|error| Failure::new(Code::Connection, error.to_string()))
+    server.listen_pty(path).map_err(failure)
+}
+
+#[cfg(unix)]
+fn listen_slcan(server: &mut Server, path: &Path) -> Result<(), Failure> {
+    server.listen_slcan(path).map_err(failure)
 }
 
 #[cfg(not(unix))]
@@ -95,43 +114,9 @@ fn listen_pty(_server: &mut Server, _path: &Path) -> Result<(), Failure> {
     Err(Failure::new(Code::Usage, "this system has no pseudo terminals; use --tcp"))
 }
 
-/// What a client has to know of the module at the ports.
-struct Client {
-    name: &'static str,
-    address: i64,
-    /// What moves the motor as the module comes.
-    motion: &'static str,
-}
-
-impl Client {
-    fn of(config: &BenchConfig) -> Self {
-        let first = config.modules.first();
-        let spec = first.map_or(&tmcl_tables::tmcm_1311::SPEC, |module| module.kind.spec());
-        let (bank, number) = GlobalParameter::SerialAddress.address();
-        let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
-        let address = first.and_then(|module| module.address).map_or(factory, i64::from);
-        let motion = match first.map(|module| module.kind) {
-            Some(ModuleKind::Tmcm1640) => "rotate(1000)",
-            Some(ModuleKind::Tmcm1311) | None => "move_to(51200)",
-        };
-        Self { name: spec.name, address, motion }
-    }
-
-    /// What to type to drive the module with PyTrinamic.
-    fn advise(&self, interface: &str, port: &str) {
-        let class = self.name.replace('-', "");
-        let motion = self.motion;
-        let (option, argument) = match self.address {
-            1 => (String::new(), String::new()),
-            address => (format!(" --module-id {address}"), format!(", {address}")),
-        };
-        anstream::eprintln!(
-            "\nPyTrinamic (pip install pytrinamic):\n\n    from pytrinamic.connections import ConnectionManager\n    \
-             from pytrinamic.modules import {class}\n    \
-             connection = ConnectionManager(\"--interface {interface} --port {port}{option}\").connect()\n    \
-             motor = {class}(connection{argument}).motors[0]\n    motor.{motion}\n"
-        );
-    }
+#[cfg(not(unix))]
+fn listen_slcan(server: &mut Server, path: &Path) -> Result<(), Failure> {
+    listen_pty(server, path)
 }
 
 fn say(notice: Notice) {

@@ -27,7 +27,8 @@ fn depends_on_module(diagnostic: &Diagnostic) -> bool {
     diagnostic.code.id().starts_with("E02")
 }
 
-fn render(diagnostic: &Diagnostic, sources: &Sources) -> String {
+/// A diagnostic for people.
+pub(crate) fn render(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let level = match diagnostic.severity() {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,

@@ -1,9 +1,16 @@
 //! The symbol file, `opentmcl-symbols/1`: from addresses to places in the text, and the names that the text defines.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tmcl_lang::{Assembly, Span};
+
+use super::files;
+use crate::exit::{Code, Failure};
+
+/// What the file says it is.
+const FORMAT: &str = "opentmcl-symbols/1";
 
 #[derive(Serialize)]
 struct Symbols<'a> {
@@ -51,7 +58,7 @@ pub(crate) fn json(assembly: &Assembly) -> serde_json::Result<String> {
     };
     let instructions = program.origins.iter().enumerate();
     let symbols = Symbols {
-        format: "opentmcl-symbols/1",
+        format: FORMAT,
         module: program.module.id,
         instructions: instructions
             .map(|(address, origin)| InstructionPlace { address, place: place(*origin) })
@@ -72,4 +79,55 @@ pub(crate) fn json(assembly: &Assembly) -> serde_json::Result<String> {
             .collect(),
     };
     serde_json::to_string_pretty(&symbols).map(|text| text + "\n")
+}
+
+/// A symbol file that was read.
+#[derive(Debug, Deserialize)]
+pub(crate) struct SymbolFile {
+    format: String,
+    instructions: Vec<KnownInstruction>,
+    labels: BTreeMap<String, KnownLabel>,
+}
+
+#[derive(Debug, Deserialize)]
+struct KnownInstruction {
+    address: u32,
+    file: String,
+    line: u32,
+}
+
+#[derive(Debug, Deserialize)]
+struct KnownLabel {
+    address: u32,
+}
+
+impl SymbolFile {
+    /// Reads it.
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+        let name = files::name(path);
+        let usage = |message: String| Failure::new(Code::Usage, message);
+        let file: Self = serde_json::from_slice(&files::read(path)?)
+            .map_err(|error| usage(format!("{name} is no symbol file of `tmcl asm --symbols`: {error}")))?;
+        if file.format != FORMAT {
+            return Err(usage(format!("{name} has the format `{}`; `{FORMAT}` is expected", file.format)));
+        }
+        Ok(file)
+    }
+
+    /// File and line of the instruction at an address.
+    pub(crate) fn place(&self, address: u32) -> Option<(String, u32)> {
+        let known = self.instructions.iter().find(|known| known.address == address)?;
+        Some((known.file.clone(), known.line))
+    }
+
+    /// The label that is nearest above an address of the program: `Loop + 2`.
+    pub(crate) fn label(&self, address: u32) -> Option<String> {
+        let known = self.labels.iter().filter(|(_, label)| label.address <= address);
+        let (name, label) = known.max_by_key(|(_, label)| label.address)?;
+        self.place(address)?;
+        Some(match address - label.address {
+            0 => name.clone(),
+            above => format!("{name} + {above}"),
+        })
+    }
 }

@@ -91,6 +91,8 @@ pub(super) enum Counting {
     Stepper,
     /// In encoder steps or hall sectors.
     Brushless,
+    /// Not at all: it follows pulses.
+    None,
 }
 
 impl Counting {
@@ -98,6 +100,7 @@ impl Counting {
     pub(super) fn of(spec: Option<&'static ModuleSpec>) -> Self {
         match spec.map(ModuleKind::try_from) {
             Some(Ok(ModuleKind::Tmcm1640)) => Self::Brushless,
+            Some(Ok(ModuleKind::Tmcm1076)) => Self::None,
             Some(Ok(ModuleKind::Tmcm1311) | Err(_)) | None => Self::Stepper,
         }
     }
@@ -111,6 +114,7 @@ impl Counting {
             }
             // AP 250, 253 and 159.
             Self::Brushless => &["encoder_resolution", "motor_poles", "commutation_mode"],
+            Self::None => &[],
         }
     }
 
@@ -134,7 +138,11 @@ impl Counting {
 
     /// Whether its motor turns in such units.
     pub(super) fn knows(self, unit: &str) -> bool {
-        self == Self::Stepper || !OF_STEPPERS.contains(&unit)
+        match self {
+            Self::Stepper => true,
+            Self::Brushless => !OF_STEPPERS.contains(&unit),
+            Self::None => ["turn", "rpm"].contains(&unit),
+        }
     }
 }
 

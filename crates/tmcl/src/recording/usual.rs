@@ -45,6 +45,33 @@ const BRUSHLESS_COLUMNS: [&str; 18] = [
     "commutation_mode",
 ];
 
+/// What is recorded of a stepper that follows pulses.
+const STEP_COLUMNS: [&str; 14] = [
+    "sensed.step_pulses",
+    "physical.rotor_turns",
+    "tstep",
+    "physical.velocity_rpm",
+    "physical.load_nm",
+    "physical.torque_nm",
+    "physical.load_angle_deg",
+    "physical.coil_a_a",
+    "physical.coil_b_a",
+    "physical.bus_voltage_v",
+    "physical.supply_current_a",
+    "coolstep_actual_current",
+    "load_value",
+    "microstep_resolution",
+];
+
+/// What is drawn of a stepper that follows pulses.
+const STEP_PANELS: [&str; 5] = [
+    "Position [turn]: physical.rotor_turns as physical",
+    "Velocity [rpm]: physical.velocity_rpm as physical",
+    "Load [Nm]: physical.torque_nm as motor, dashed physical.load_nm as load",
+    "physical.load_angle_deg as Load angle",
+    "Coil currents [A]: physical.coil_a_a as A, physical.coil_b_a as B",
+];
+
 /// What is drawn of a stepper.
 const STEPPER_PANELS: [&str; 5] = [
     "Position [turn]: physical.rotor_turns as physical, dashed actual_position as commanded",
@@ -65,17 +92,24 @@ const BRUSHLESS_PANELS: [&str; 5] = [
 
 /// The columns of a trace.
 pub(super) fn columns(bench: &Bench) -> &'static [&'static str] {
-    if is_brushless(bench) { &BRUSHLESS_COLUMNS } else { &STEPPER_COLUMNS }
+    match kind(bench) {
+        ModuleKind::Tmcm1311 => &STEPPER_COLUMNS,
+        ModuleKind::Tmcm1640 => &BRUSHLESS_COLUMNS,
+        ModuleKind::Tmcm1076 => &STEP_COLUMNS,
+    }
 }
 
 /// The panels of a plot.
 pub(super) fn panels(bench: &Bench) -> &'static [&'static str] {
-    if is_brushless(bench) { &BRUSHLESS_PANELS } else { &STEPPER_PANELS }
+    match kind(bench) {
+        ModuleKind::Tmcm1311 => &STEPPER_PANELS,
+        ModuleKind::Tmcm1640 => &BRUSHLESS_PANELS,
+        ModuleKind::Tmcm1076 => &STEP_PANELS,
+    }
 }
 
-fn is_brushless(bench: &Bench) -> bool {
-    match bench.spec(ModuleId(0)).map(ModuleKind::try_from) {
-        Some(Ok(ModuleKind::Tmcm1640)) => true,
-        Some(Ok(ModuleKind::Tmcm1311) | Err(_)) | None => false,
-    }
+/// What the first module is.
+fn kind(bench: &Bench) -> ModuleKind {
+    let spec = bench.spec(ModuleId(0));
+    spec.and_then(|spec| ModuleKind::try_from(spec).ok()).unwrap_or(ModuleKind::Tmcm1311)
 }

@@ -25,7 +25,7 @@ impl EncoderConfig {
     #[must_use]
     pub const fn default_for(kind: ModuleKind) -> Self {
         let counts = match kind {
-            ModuleKind::Tmcm1311 => 40_000,
+            ModuleKind::Tmcm1311 | ModuleKind::Tmcm1076 => 40_000,
             ModuleKind::Tmcm1640 => QBL4208_ENCODER_COUNTS,
         };
         Self { counts, offset_turns: 0.0, inverted: false, index: true }

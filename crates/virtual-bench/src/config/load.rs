@@ -39,7 +39,7 @@ impl LoadConfig {
     #[must_use]
     pub fn default_for(kind: ModuleKind) -> Self {
         let (friction_nm, viscous_nm_s_per_rad) = match kind {
-            ModuleKind::Tmcm1311 => (0.01, 4e-4),
+            ModuleKind::Tmcm1311 | ModuleKind::Tmcm1076 => (0.01, 4e-4),
             ModuleKind::Tmcm1640 => (0.005, 2e-5),
         };
         Self {

@@ -6,6 +6,7 @@
 //!
 //! Figures come as the types of `motor-physics` that take them. This module must never know files or firmware.
 
+mod bus;
 mod encoder;
 mod error;
 mod event;
@@ -30,6 +31,7 @@ mod switches;
 mod tests;
 mod wire;
 
+pub use bus::{BusConfig, Interface};
 pub use encoder::EncoderConfig;
 pub use error::ConfigError;
 pub use event::Event;
@@ -40,9 +42,9 @@ pub use module::ModuleConfig;
 pub use motor::{BldcConfig, MotorConfig};
 pub use parse_setting::{Part, SETTINGS, SettingError, SettingValue, parse_setting};
 pub use setting::{Coil, Contact, EncoderLine, HallSensor, Phase, Power, Setting, SwitchName};
-pub use step_dir::StepDirConfig;
+pub use step_dir::{RecordedLevels, StepDirConfig};
 pub use switches::SwitchesConfig;
-pub use wire::Wire;
+pub use wire::{Wire, WireEnd};
 
 use toml::de::DeTable;
 
@@ -60,6 +62,8 @@ pub struct BenchConfig {
     pub wires: Vec<Wire>,
     /// What happens, sorted by time.
     pub events: Vec<Event>,
+    /// What joins the modules.
+    pub bus: BusConfig,
 }
 
 impl BenchConfig {
@@ -67,7 +71,21 @@ impl BenchConfig {
     /// bench).
     #[must_use]
     pub fn default_for(kind: ModuleKind) -> Self {
-        Self { modules: vec![ModuleConfig::default_for(kind, "m1")], wires: Vec::new(), events: Vec::new() }
+        Self::default_of(&[kind])
+    }
+
+    /// The default bench with these modules, `m1`, `m2` and so on.
+    #[must_use]
+    pub fn default_of(kinds: &[ModuleKind]) -> Self {
+        let module = |(index, kind): (usize, &ModuleKind)| {
+            ModuleConfig::default_for(*kind, &module::default_name(index))
+        };
+        Self {
+            modules: kinds.iter().enumerate().map(module).collect(),
+            wires: Vec::new(),
+            events: Vec::new(),
+            bus: BusConfig::default(),
+        }
     }
 }
 
@@ -102,6 +120,7 @@ fn read<'t>(table: &'t DeTable<'t>, errors: &mut Vec<ConfigError>) -> BenchConfi
         supply: file.section("supply", "supply").map(SupplyFigures::read).unwrap_or_default(),
         temperature_c: file.number("temperature_c", &quantity::TEMPERATURE),
     };
+    let bus = file.section("bus", "bus").map(bus::read).unwrap_or_default();
     let errors_before = file.errors().len();
     let modules = file.sections("module");
     if modules.is_empty() && file.errors().len() == errors_before {
@@ -112,7 +131,7 @@ fn read<'t>(table: &'t DeTable<'t>, errors: &mut Vec<ConfigError>) -> BenchConfi
     let errors = file.errors();
     let modules = module::read_all(modules, common, errors);
     let wires = wire::read_all(wires, &modules, errors);
-    let mut bench = BenchConfig { modules, wires, events: Vec::new() };
+    let mut bench = BenchConfig { modules, wires, events: Vec::new(), bus };
     bench.events = event::read_all(events, &bench, errors);
     file.finish();
     bench

@@ -31,7 +31,8 @@ pub struct ModuleConfig {
     pub kind: ModuleKind,
     /// What the bench calls it: letters, digits, `_` and `-`, a letter first; different from every other.
     pub name: String,
-    /// Its serial address; beats what the EEPROM says, and is beaten by the command line. `None`: the EEPROM's.
+    /// Its address: the serial one (GP 66) and, where it has CAN, its CAN identifier (GP 71). Beats what the EEPROM says, and
+    /// is beaten by the command line. `None`: the EEPROM's.
     pub address: Option<u8>,
     /// Instructions of a stand-alone program that a control period of 50 µs executes, 1 to 1000 (decision: 1).
     pub instructions_per_tick: u16,
@@ -77,6 +78,11 @@ impl ModuleConfig {
     }
 }
 
+/// What a module without a name is called, by its place.
+pub(super) fn default_name(index: usize) -> String {
+    format!("m{}", index + 1)
+}
+
 /// What the file says for all modules.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Common {
@@ -93,7 +99,7 @@ pub(super) fn read_all(
     let mut modules: Vec<ModuleConfig> = Vec::new();
     for (index, Table { table, span }) in tables.into_iter().enumerate() {
         let section = Section::new(table, "[[module]]", span.clone(), errors);
-        let (module, name_span) = read(section, &format!("m{}", index + 1), common);
+        let (module, name_span) = read(section, &default_name(index), common);
         if modules.iter().any(|other| other.name == module.name) {
             let message = format!("two modules are called \"{}\"", module.name);
             errors.push(
@@ -117,7 +123,7 @@ fn read(
     let name_span = name.as_ref().map(|(_, span)| span.clone());
     let name = name.and_then(|(name, span)| check_name(name, span, &mut section)).unwrap_or(default_name);
     let mut module = ModuleConfig::default_for(kind, name);
-    module.address = section.integer("address", &(0..=255)).and_then(|address| u8::try_from(address).ok());
+    module.address = read_address(&mut section, kind);
     let instructions = section.integer("instructions_per_tick", &(1..=1000));
     module.instructions_per_tick = instructions.and_then(|count| u16::try_from(count).ok()).unwrap_or(1);
     let temperature_c = section.number("temperature_c", &quantity::TEMPERATURE).or(common.temperature_c);
@@ -132,6 +138,18 @@ fn read(
     (module, name_span)
 }
 
+/// A TMCM-1076 is always module 1: it has no global parameters.
+fn read_address(section: &mut Section<'_, '_>, kind: ModuleKind) -> Option<u8> {
+    let span = section.key_span("address");
+    let address = section.integer("address", &(0..=255)).and_then(|address| u8::try_from(address).ok())?;
+    if let Some(span) = span.filter(|_| address != 1 && !kind.has_settable_address()) {
+        let message = format!("the address of a {} is 1 and cannot be changed", kind.spec().id);
+        section.complain(ConfigError::new(span, message).with_help("leave out address"));
+        return None;
+    }
+    Some(address)
+}
+
 fn read_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
     let kind = module.kind;
     if let Some(motor) = section.section("motor", "module.motor").and_then(|motor| motor::read(motor, kind)) {
@@ -140,10 +158,14 @@ fn read_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
     if let Some(load) = section.section("load", "module.load") {
         module.load = load::read(load, kind);
     }
-    if let Some(encoder) = section.section("encoder", "module.encoder") {
+    if !kind.has_sensors() {
+        refuse(section, "encoder", kind, "encoder");
+        refuse(section, "switches", kind, "switches");
+    }
+    if let Some(encoder) = section.section("encoder", "module.encoder").filter(|_| kind.has_sensors()) {
         module.encoder = encoder::read(encoder, kind);
     }
-    if let Some(switches) = section.section("switches", "module.switches") {
+    if let Some(switches) = section.section("switches", "module.switches").filter(|_| kind.has_sensors()) {
         module.switches = switches::read(switches, kind);
     }
     if let Some(inputs) = section.section("inputs", "module.inputs") {
@@ -158,7 +180,7 @@ fn read_family_parts(section: &mut Section<'_, '_>, module: &mut ModuleConfig) {
     match kind.motor() {
         MotorFamily::Stepper => {
             if let Some(step_dir) = section.section("step_dir", "module.step_dir") {
-                module.step_dir = step_dir::read(step_dir);
+                module.step_dir = step_dir::read(step_dir, kind);
             }
             refuse(section, "halls", kind, "hall sensors");
         }

@@ -76,7 +76,7 @@ impl MotorConfig {
     #[must_use]
     pub fn default_for(kind: ModuleKind) -> Self {
         match kind {
-            ModuleKind::Tmcm1311 => Self::Preset("QSH5718-51-28-101"),
+            ModuleKind::Tmcm1311 | ModuleKind::Tmcm1076 => Self::Preset("QSH5718-51-28-101"),
             ModuleKind::Tmcm1640 => Self::Preset("QBL4208-61-04-013"),
         }
     }

@@ -36,6 +36,10 @@ pub(super) fn parse_fault(
     value: SettingValue<'_>,
 ) -> Result<Setting, SettingError> {
     match fault {
+        "encoder_line" if !module.kind.has_sensors() => {
+            let message = format!("{} has no encoder", module.name);
+            Err(SettingError::name(message, format!("it is a {}", module.kind.spec().id)))
+        }
         "encoder_line" => choice(name, value, &LINES).map(Setting::EncoderLine),
         "switch_left" => contact(module, SwitchName::Left, name, value),
         "switch_right" => contact(module, SwitchName::Right, name, value),

@@ -8,8 +8,10 @@ use super::parse_fault::parse_fault;
 use super::pins::{self, ANALOG_MAX};
 use super::quantity::{self, Quantity};
 use super::setting::{Power, Setting};
-use super::step_dir::PULSES;
+use super::step_dir::{ENABLE_HELP, PULSES};
 use super::suggest;
+use super::wire::WireEnd;
+use crate::ModuleKind;
 use crate::kind::MotorFamily;
 
 /// Words that names of settings begin with.
@@ -25,13 +27,14 @@ pub(super) fn is_reserved(word: &str) -> bool {
 }
 
 /// What may be set; `N` stands for a number.
-pub const SETTINGS: [&str; 24] = [
+pub const SETTINGS: [&str; 25] = [
     "load.torque_nm",
     "load.inertia_kgm2",
     "load.friction_nm",
     "input.N",
     "ain.N",
     "step_dir.frequency_hz",
+    "step_dir.acceleration_hz_per_s",
     "step_dir.pulses",
     "step_dir.enable",
     "supply.voltage_v",
@@ -212,10 +215,17 @@ fn parse_step_dir(
     }
     match signal {
         "frequency_hz" => quantity_of(name, value, &quantity::PULSE_FREQUENCY).map(Setting::StepFrequencyHz),
+        "acceleration_hz_per_s" => {
+            quantity_of(name, value, &quantity::PULSE_ACCELERATION).map(Setting::StepAccelerationHzPerS)
+        }
         "pulses" if value == SettingValue::Text("endless") => Ok(Setting::StepPulses(None)),
         "pulses" => whole(name, value, PULSES)
             .map(|pulses| Setting::StepPulses(Some(pulses)))
             .map_err(|error| SettingError { help: Some("or \"endless\"".to_owned()), ..error }),
+        "enable" if module.kind == ModuleKind::Tmcm1076 => {
+            let message = format!("{} has ENABLE among its inputs", module.name);
+            Err(SettingError::name(message, ENABLE_HELP))
+        }
         "enable" => whole(name, value, 0..=1).map(|level| Setting::StepEnable(level == 1)),
         _ => Err(unknown(name, Some(module.kind.motor()))),
     }
@@ -231,10 +241,12 @@ fn input(
     let pins = pins::of(module.kind);
     let name = format!("input.{number}");
     let number = find_number(pins.inputs, number).ok_or_else(|| {
-        let known = format!("{}, {}", pins::names("input", pins.inputs), pins::names("ain", pins.analog));
+        let known = [pins::names("input", pins.inputs), pins::names("ain", pins.analog)];
+        let known =
+            known.iter().filter(|names| !names.is_empty()).map(String::as_str).collect::<Vec<_>>().join(", ");
         SettingError::name(format!("{} has no {name} to set", module.name), format!("allowed here: {known}"))
     })?;
-    if bench.wires.iter().any(|wire| wire.to_module == index && wire.input == number) {
+    if bench.wires.iter().any(|wire| wire.to_module == index && wire.to == WireEnd::Input(number)) {
         let message = format!("{name} of {} is driven by a wire", module.name);
         return Err(SettingError::name(message, "set what drives the wire, or leave the [[wire]] out"));
     }
@@ -254,6 +266,10 @@ fn analog_input(
 ) -> Result<Setting, SettingError> {
     let pins = pins::of(module.kind);
     let name = format!("ain.{number}");
+    if pins.analog.is_empty() {
+        let message = format!("{} has no analogue inputs", module.name);
+        return Err(SettingError::name(message, format!("it is a {}", module.kind.spec().id)));
+    }
     let number = find_number(pins.analog, number).ok_or_else(|| {
         let known = pins::names("ain", pins.analog);
         SettingError::name(format!("{} has no {name} to set", module.name), format!("allowed here: {known}"))

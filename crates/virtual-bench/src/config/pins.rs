@@ -24,7 +24,8 @@ pub(super) struct Pins {
 pub(super) const ANALOG_MAX: u16 = 4095;
 
 /// The pins of a module. IN_0 and IN_4 of the TMCM-1311 are AIN_0 and AIN_4 read as digital inputs (§5.7.15.1): they have no
-/// level of their own. The TMCM-1640's stop switches are IN_0 and IN_1 (TMCM-1640 §3.1).
+/// level of their own. The TMCM-1640's stop switches are IN_0 and IN_1 (TMCM-1640 §3.1). The
+/// TMCM-1076's inputs are CHOP and ENABLE (TMCM-1076 §3.5.5).
 pub(super) const fn of(kind: ModuleKind) -> &'static Pins {
     match kind {
         ModuleKind::Tmcm1311 => &Pins {
@@ -42,6 +43,14 @@ pub(super) const fn of(kind: ModuleKind) -> &'static Pins {
             analog_keys: &["ain_0"],
             outputs: &[0],
             switches: &[(SwitchName::Right, 0), (SwitchName::Left, 1)],
+        },
+        ModuleKind::Tmcm1076 => &Pins {
+            inputs: &[0, 1],
+            input_keys: &["in_0", "in_1"],
+            analog: &[],
+            analog_keys: &[],
+            outputs: &[],
+            switches: &[],
         },
     }
 }

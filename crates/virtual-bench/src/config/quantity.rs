@@ -67,6 +67,7 @@ pub(super) const WIDTH: Quantity = Quantity::new("turns", 1e-4..=1e6);
 pub(super) const ELECTRICAL_ANGLE: Quantity = Quantity::new("°", -360.0..=360.0);
 /// Either direction.
 pub(super) const PULSE_FREQUENCY: Quantity = Quantity::new("Hz", -1e6..=1e6);
+pub(super) const PULSE_ACCELERATION: Quantity = Quantity::new("Hz/s", 0.0..=1e9);
 /// Turns or seconds.
 pub(super) const PROFILE_X: Quantity = Quantity::new("", -1e6..=1e6);
 pub(super) const PERIOD: Quantity = Quantity::new("", 1e-4..=1e6);

@@ -12,7 +12,7 @@ use crate::ModuleKind;
 pub(super) const fn default_for(kind: ModuleKind) -> SupplyParameters {
     match kind {
         ModuleKind::Tmcm1311 => SupplyParameters::standard(48.0),
-        ModuleKind::Tmcm1640 => SupplyParameters::standard(24.0),
+        ModuleKind::Tmcm1640 | ModuleKind::Tmcm1076 => SupplyParameters::standard(24.0),
     }
 }
 

@@ -72,7 +72,7 @@ pub(super) fn read(mut section: Section<'_, '_>, kind: ModuleKind) -> SwitchesCo
 fn has_home(kind: ModuleKind) -> bool {
     match kind {
         ModuleKind::Tmcm1311 => true,
-        ModuleKind::Tmcm1640 => false,
+        ModuleKind::Tmcm1640 | ModuleKind::Tmcm1076 => false,
     }
 }
 

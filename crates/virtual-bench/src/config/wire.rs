@@ -4,9 +4,11 @@ use super::error::ConfigError;
 use super::module::ModuleConfig;
 use super::pins::{self, Pins};
 use super::section::{Section, Table};
+use super::step_dir::StepDirConfig;
 use super::suggest;
+use crate::ModuleKind;
 
-/// A wire, from an output to a digital input that nothing else drives.
+/// A wire, from an output to an input that nothing else drives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wire {
     /// Whose output: the module's place on the bench.
@@ -15,8 +17,29 @@ pub struct Wire {
     pub output: u8,
     /// Whose input: the module's place on the bench.
     pub to_module: usize,
-    /// Its port number.
-    pub input: u8,
+    /// Which of its inputs.
+    pub to: WireEnd,
+}
+
+/// Where a wire ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WireEnd {
+    /// At a digital input: its port number.
+    Input(u8),
+    /// At STEP of a TMCM-1076.
+    Step,
+    /// At DIR of a TMCM-1076.
+    Dir,
+}
+
+impl WireEnd {
+    fn name(self) -> String {
+        match self {
+            Self::Input(number) => format!("input.{number}"),
+            Self::Step => "step".to_owned(),
+            Self::Dir => "dir".to_owned(),
+        }
+    }
 }
 
 /// A module's pin.
@@ -36,21 +59,40 @@ pub(super) fn read_all(
     for Table { table, span } in tables {
         let mut section = Section::new(table, "[[wire]]", span, errors);
         let from = read_end(&mut section, "from", "output", |pins| pins.outputs, modules);
-        let to = read_end(&mut section, "to", "input", |pins| pins.inputs, modules);
-        if let Some(to) = to {
-            check_free(&mut section, to, modules, &wires);
+        let to = read_to(&mut section, modules);
+        if let Some((module, to)) = to {
+            check_free(&mut section, module, to, modules, &wires);
         }
         section.finish();
-        if let (Some(from), Some(to)) = (from, to) {
-            wires.push(Wire {
-                from_module: from.module,
-                output: from.number,
-                to_module: to.module,
-                input: to.number,
-            });
+        if let (Some(from), Some((to_module, to))) = (from, to) {
+            wires.push(Wire { from_module: from.module, output: from.number, to_module, to });
         }
     }
     wires
+}
+
+/// Reads where a wire ends: an input, or STEP or DIR of a module that follows pulses.
+fn read_to(section: &mut Section<'_, '_>, modules: &[ModuleConfig]) -> Option<(usize, WireEnd)> {
+    let known = section.text("to").and_then(|(text, _)| pulse_end(text, modules));
+    known.or_else(|| {
+        let pin = read_end(section, "to", "input", |pins| pins.inputs, modules)?;
+        Some((pin.module, WireEnd::Input(pin.number)))
+    })
+}
+
+/// `m1.step`, `m1.dir`; with a single module its name may be left out.
+fn pulse_end(text: &str, modules: &[ModuleConfig]) -> Option<(usize, WireEnd)> {
+    let (name, pin) = text.split_once('.').unwrap_or(("", text));
+    let end = match pin {
+        "step" => WireEnd::Step,
+        "dir" => WireEnd::Dir,
+        _ => return None,
+    };
+    let index = match modules {
+        [_] if name.is_empty() => 0,
+        _ => modules.iter().position(|module| module.name == name)?,
+    };
+    modules.get(index).filter(|module| module.kind == ModuleKind::Tmcm1076).map(|_| (index, end))
 }
 
 /// Reads one end, `m1.output.0`; with a single module `output.0` will do.
@@ -102,19 +144,32 @@ fn find_pin(
 }
 
 /// Complains if something else drives an input already.
-fn check_free(section: &mut Section<'_, '_>, to: Pin, modules: &[ModuleConfig], wires: &[Wire]) {
-    let Some(module) = modules.get(to.module) else { return };
-    let other = if wires.iter().any(|wire| (wire.to_module, wire.input) == (to.module, to.number)) {
+fn check_free(
+    section: &mut Section<'_, '_>,
+    index: usize,
+    to: WireEnd,
+    modules: &[ModuleConfig],
+    wires: &[Wire],
+) {
+    let Some(module) = modules.get(index) else { return };
+    let input = match to {
+        WireEnd::Input(number) => Some(number),
+        WireEnd::Step | WireEnd::Dir => None,
+    };
+    let other = if wires.iter().any(|wire| (wire.to_module, wire.to) == (index, to)) {
         "another wire"
-    } else if module.inputs.digital.contains_key(&to.number) {
+    } else if input.is_none() && module.step_dir != StepDirConfig::default() {
+        "[module.step_dir]"
+    } else if input.is_some_and(|input| module.inputs.digital.contains_key(&input)) {
         "a level in [module.inputs]"
-    } else if let Some(switch) = pins::switch_at(module.kind, &module.switches, to.number) {
+    } else if let Some(switch) = input.and_then(|input| pins::switch_at(module.kind, &module.switches, input))
+    {
         &format!("the {} switch", switch.word())
     } else {
         return;
     };
     if let Some(span) = section.key_span("to") {
-        let message = format!("{}.input.{} is already driven by {other}", module.name, to.number);
+        let message = format!("{}.{} is already driven by {other}", module.name, to.name());
         section.complain(ConfigError::new(span, message));
     }
 }

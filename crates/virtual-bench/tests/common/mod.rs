@@ -1,11 +1,14 @@
 //! A host that talks to a virtual module in process, and takes nothing that the wire format does not allow. What it says of
-//! axis parameters is the TMCM-1311's; [`bldc`] has the host of a TMCM-1640.
+//! axis parameters is the TMCM-1311's; [`bldc`] has the host of a TMCM-1640, [`step`] that of a
+//! TMCM-1076.
 #![allow(dead_code, reason = "every test crate uses another part of it")]
 
 pub(crate) mod bldc;
+pub(crate) mod bus;
 pub(crate) mod closed_loop;
 pub(crate) mod motion;
 pub(crate) mod program;
+pub(crate) mod step;
 
 use std::fmt::Display;
 

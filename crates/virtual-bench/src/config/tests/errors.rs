@@ -150,3 +150,8 @@ fn events() {
          [[event]]\nat = [1]\nset = { \"input.9\" = 1, load = 3, a.b.c.d.e.f.g = 1 }\n"
     ));
 }
+
+#[test]
+fn buses() {
+    assert_snapshot!(in_module("[bus]\nmodules_hear_replies = 1\nmodules_hear = true\n"));
+}

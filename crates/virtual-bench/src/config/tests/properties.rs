@@ -41,8 +41,9 @@ const KEYS: [&str; 33] = [
     "µ",
 ];
 
-const HEADERS: [&str; 14] = [
+const HEADERS: [&str; 15] = [
     "[supply]",
+    "[bus]",
     "[[module]]",
     "[module.motor]",
     "[module.load]",

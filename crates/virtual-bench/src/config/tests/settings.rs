@@ -45,6 +45,7 @@ fn every_setting_is_understood() {
         ("input.2", "1", Setting::Input { number: 2, high: true }),
         ("ain.4", "2048", Setting::AnalogInput { number: 4, reading: 2048 }),
         ("step_dir.frequency_hz", "-51200.5", Setting::StepFrequencyHz(-51_200.5)),
+        ("step_dir.acceleration_hz_per_s", "1000", Setting::StepAccelerationHzPerS(1000.0)),
         ("step_dir.pulses", "51200", Setting::StepPulses(Some(51_200))),
         ("step_dir.enable", "1", Setting::StepEnable(true)),
         ("supply.voltage_v", "24", Setting::SupplyVoltageV(24.0)),

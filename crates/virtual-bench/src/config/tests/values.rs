@@ -5,7 +5,7 @@ use motor_physics::supply::SupplyParameters;
 use motor_physics::switch::SwitchConfig;
 
 use super::super::{
-    BenchConfig, Coil, EncoderConfig, Event, HallsConfig, MotorConfig, Setting, StepDirConfig, Wire,
+    BenchConfig, Coil, EncoderConfig, Event, HallsConfig, MotorConfig, Setting, StepDirConfig, Wire, WireEnd,
 };
 use super::bench;
 use crate::ModuleKind;
@@ -94,10 +94,20 @@ fn a_motor_by_its_figures() {
 
 #[test]
 fn a_pulse_source() {
-    let step_dir = |lines: &str| bench(&format!("{MODULE}[module.step_dir]\n{lines}")).modules[0].step_dir;
-    let given = StepDirConfig { frequency_hz: -1000.5, pulses: Some(51_200), enabled: true };
-    assert_eq!(step_dir("frequency_hz = -1000.5\npulses = 51200\nenable = 1\n"), given);
-    let silent = StepDirConfig { frequency_hz: 0.0, pulses: None, enabled: false };
+    let step_dir =
+        |lines: &str| bench(&format!("{MODULE}[module.step_dir]\n{lines}")).modules[0].step_dir.clone();
+    let given = StepDirConfig {
+        frequency_hz: -1000.5,
+        acceleration_hz_per_s: 2000.0,
+        pulses: Some(51_200),
+        enabled: true,
+        edges: Vec::new(),
+    };
+    assert_eq!(
+        step_dir("frequency_hz = -1000.5\nacceleration_hz_per_s = 2000\npulses = 51200\nenable = 1\n"),
+        given
+    );
+    let silent = StepDirConfig::default();
     assert_eq!(step_dir("enable = 0\n"), silent);
     assert_eq!(step_dir("pulses = 0\n").pulses, Some(0));
 }
@@ -153,13 +163,13 @@ fn encoder_and_inputs() {
 fn wires_find_their_modules() {
     let wires = "[[wire]]\nfrom = \"m2.output.7\"\nto = \"door.input.3\"\n";
     let bench = bench(&format!("{MODULE}name = \"door\"\n{MODULE}{wires}"));
-    assert_eq!(bench.wires, [Wire { from_module: 1, output: 7, to_module: 0, input: 3 }]);
+    assert_eq!(bench.wires, [Wire { from_module: 1, output: 7, to_module: 0, to: WireEnd::Input(3) }]);
 }
 
 #[test]
 fn a_single_module_needs_no_name_in_wires() {
     let bench = bench(&format!("{MODULE}[[wire]]\nfrom = \"output.0\"\nto = \"input.2\"\n"));
-    assert_eq!(bench.wires, [Wire { from_module: 0, output: 0, to_module: 0, input: 2 }]);
+    assert_eq!(bench.wires, [Wire { from_module: 0, output: 0, to_module: 0, to: WireEnd::Input(2) }]);
 }
 
 #[test]

@@ -1,0 +1,22 @@
+//! Parameters of a module as people write them.
+//!
+//! - [`Name`] is what stands for a parameter on a command line or in a file: `max_velocity`, `axis.4`, `0/66`,
+//!   `variable.3`, `encoder_mode.null_active_high`; [`select`] also takes `max_*`.
+//! - [`parse_value`] reads what it is to be set to: a number with or without its unit, or the name of a value.
+//! - [`file::parse`] and [`file::write`] read and write the configuration of a module as a text.
+//! - [`plan`](plan()) says in which order to write what differs, and what not to write at all.
+//!
+//! This crate must never know a module that answers, a link or a file: it has texts, tables and numbers.
+
+pub mod file;
+mod item;
+mod name;
+mod plan;
+mod suggest;
+mod value;
+mod wildcard;
+
+pub use item::{Item, items};
+pub use name::{Name, NameError, select};
+pub use plan::{Difference, Left, Phase, Plan, Wishes, plan};
+pub use value::{ValueError, described, parse_value};

@@ -1,0 +1,89 @@
+//! What the settings take, wherever they are written.
+
+use std::fmt;
+use std::time::Duration;
+
+use tmcl_tables::tmcm_1311;
+
+use crate::arguments;
+
+/// The rates to talk at: one, or several to look for a module at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct BaudRates(Vec<u32>);
+
+impl fmt::Display for BaudRates {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rates: Vec<String> = self.0.iter().map(u32::to_string).collect();
+        f.write_str(&rates.join(","))
+    }
+}
+
+impl BaudRates {
+    /// Each of them.
+    pub(crate) fn rates(&self) -> Vec<u32> {
+        self.0.clone()
+    }
+}
+
+/// `9600`; several as in `9600,115200`, or `all` that modules can be set to.
+pub(super) fn baud_rates(text: &str) -> Result<BaudRates, String> {
+    const EXPECTED: &str = "a number of bits per second is expected, such as 9600 or 115200; \
+                            `tmcl scan` also takes several, and `all`";
+    if text.eq_ignore_ascii_case("all") {
+        return Ok(BaudRates(known_rates()));
+    }
+    let rates = text.split(',').map(|rate| rate.trim().parse::<u32>().ok().filter(|rate| *rate > 0));
+    let rates: Option<Vec<u32>> = rates.collect();
+    rates.map(BaudRates).ok_or_else(|| EXPECTED.to_owned())
+}
+
+/// Those that the tables name, the factory's first.
+fn known_rates() -> Vec<u32> {
+    let (bank, number) = tmcl_tables::GlobalParameter::BaudRate.address();
+    let values =
+        tmcm_1311::SPEC.global_parameter(bank, number).map_or(&[][..], |entry| entry.parameter.values);
+    values.iter().filter_map(|named| named.name.split(' ').next()?.parse().ok()).collect()
+}
+
+pub(super) fn address(text: &str) -> Result<u8, String> {
+    text.parse().map_err(|_| "an address from 0 to 255 is expected".to_owned())
+}
+
+pub(super) fn timeout(text: &str) -> Result<Duration, String> {
+    const EXPECTED: &str = "a time from 1ms to 1h is expected, such as 500ms or 1s";
+    arguments::nanoseconds(text)
+        .filter(|time_ns| (1e6..=3.6e12).contains(time_ns))
+        .map_or_else(|| Err(EXPECTED.to_owned()), |time_ns| Ok(Duration::from_nanos(time_ns as u64)))
+}
+
+pub(super) fn retries(text: &str) -> Result<u32, String> {
+    text.parse()
+        .ok()
+        .filter(|retries| *retries <= 100)
+        .ok_or_else(|| "a number from 0 to 100 is expected".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates() {
+        assert_eq!(baud_rates("9600"), Ok(BaudRates(vec![9600])));
+        assert_eq!(baud_rates("9600, 115200"), Ok(BaudRates(vec![9600, 115_200])));
+        let all = baud_rates("all").expect("they are known").rates();
+        assert_eq!((all.first(), all.last(), all.len()), (Some(&9600), Some(&1_000_000), 12));
+        for wrong in ["", "0", "fast", "9600,", "-1"] {
+            assert!(baud_rates(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(timeout("1s"), Ok(Duration::from_secs(1)));
+        assert_eq!(timeout("1.5ms"), Ok(Duration::from_micros(1500)));
+        for wrong in ["1", "0s", "500us", "2h", "ms", "-1s"] {
+            assert!(timeout(wrong).is_err(), "{wrong}");
+        }
+    }
+}
