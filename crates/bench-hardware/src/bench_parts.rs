@@ -7,7 +7,7 @@ use crate::parts::EncoderParts;
 use crate::{Contact, EncoderLine};
 
 /// A control period in seconds.
-pub(crate) const PERIOD_S: f64 = 50e-6;
+pub const PERIOD_S: f64 = 50e-6;
 
 /// How often the temperatures are brought up to date.
 pub(crate) const HEAT_NS: u64 = 100_000_000;
@@ -41,7 +41,8 @@ pub(crate) fn encoder_fault(line: Option<EncoderLine>, has_index: bool) -> Encod
 }
 
 /// These levels with one of them set.
-pub(crate) fn with_level(levels: u8, number: u8, high: bool) -> u8 {
+#[must_use]
+pub fn with_level(levels: u8, number: u8, high: bool) -> u8 {
     let bit = 1_u8.checked_shl(number.into()).unwrap_or(0);
     if high { levels | bit } else { levels & !bit }
 }

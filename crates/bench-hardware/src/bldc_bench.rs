@@ -6,6 +6,8 @@
 
 mod build;
 mod settings;
+#[cfg(test)]
+mod tests;
 
 use core::f64::consts::TAU;
 

@@ -39,6 +39,19 @@ pub trait Surroundings {
     fn encoder_counts(&self) -> i32;
     /// Pulses at the step/direction connector, those to the right less those to the left.
     fn step_pulses(&self) -> i64;
+    /// Levels that wires drive at STEP and DIR; low where none does.
+    fn pulse_levels(&self) -> PulseLevels {
+        PulseLevels::default()
+    }
+}
+
+/// The levels at STEP and DIR.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PulseLevels {
+    /// STEP is high.
+    pub step: bool,
+    /// DIR is high.
+    pub dir: bool,
 }
 
 /// The truth about a motor, in the order of [`Physical::NAMES`]. What its kind of motor does not have is 0.

@@ -12,13 +12,18 @@ mod bench_parts;
 mod bldc_bench;
 mod hardware;
 pub mod parts;
+mod pulse_source;
 mod setting;
 mod stepper_bench;
+mod stepper_stage;
 
+pub use bench_parts::{PERIOD_S, with_level};
 pub use bldc_bench::BldcBench;
-pub use hardware::{Hardware, MotorFamily, Physical, Surroundings};
+pub use hardware::{Hardware, MotorFamily, Physical, PulseLevels, Surroundings};
+pub use pulse_source::PulseSource;
 pub use setting::{Coil, Contact, EncoderLine, HallSensor, Phase, Power, Setting, SwitchName};
 pub use stepper_bench::StepperBench;
+pub use stepper_stage::StepperStage;
 
 /// A control period.
 pub const TICK_NS: u64 = 50_000;

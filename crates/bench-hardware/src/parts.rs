@@ -52,6 +52,17 @@ pub struct EncoderParts {
     pub index: bool,
 }
 
+/// A source of pulses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PulseParts {
+    /// Pulses a second; positive is to the right, 0 is none.
+    pub frequency_hz: f64,
+    /// How fast the frequency changes, in Hz/s; 0 = at once.
+    pub acceleration_hz_per_s: f64,
+    /// How many it gives before it falls silent; `None`: it never does.
+    pub pulses: Option<u32>,
+}
+
 /// What surrounds the firmware of a stepper module.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepperParts {
@@ -61,10 +72,8 @@ pub struct StepperParts {
     pub motor: StepperParameters,
     /// Left, right and home switch, where there are any.
     pub switches: [Option<SwitchConfig>; 3],
-    /// Pulses a second at the step/direction connector; positive is to the right.
-    pub pulse_frequency_hz: f64,
-    /// How many it gives before it falls silent; `None`: it never does.
-    pub pulses: Option<u32>,
+    /// What gives pulses at the step/direction connector.
+    pub pulses: PulseParts,
     /// ENABLE of the connector is active.
     pub enabled: bool,
     /// AIN_0 and AIN_4.
@@ -122,8 +131,7 @@ impl StepperParts {
             common: CommonParts::standard(motor.rotor_inertia_kgm2, STEPPER_FRICTION, 48.0, 40_000),
             motor,
             switches: [None; 3],
-            pulse_frequency_hz: 0.0,
-            pulses: None,
+            pulses: PulseParts::default(),
             enabled: false,
             analog_inputs: [0; 2],
         })

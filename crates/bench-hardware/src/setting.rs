@@ -57,10 +57,16 @@ pub enum Setting {
     DroppedSteps(i32),
     /// Pulses a second at the step/direction connector, -1 000 000 to 1 000 000; positive is to the right.
     StepFrequencyHz(f64),
+    /// How fast that changes to another value, 0 to 1 000 000 000 Hz/s; 0 = at once.
+    StepAccelerationHzPerS(f64),
     /// How many pulses come from now on; `None`: any number.
     StepPulses(Option<u32>),
     /// Whether the ENABLE input of the step/direction connector is active.
     StepEnable(bool),
+    /// Level of STEP, where a wire drives it.
+    StepLevel(bool),
+    /// Level of DIR, where a wire drives it.
+    DirLevel(bool),
     /// The module's power.
     Power(Power),
 }

@@ -37,8 +37,11 @@ impl Surroundings for BldcBench {
             | Setting::CoilShort(_)
             | Setting::DroppedSteps(_)
             | Setting::StepFrequencyHz(_)
+            | Setting::StepAccelerationHzPerS(_)
             | Setting::StepPulses(_)
-            | Setting::StepEnable(_) => {}
+            | Setting::StepEnable(_)
+            | Setting::StepLevel(_)
+            | Setting::DirLevel(_) => {}
         }
         // What changed may show at once, even if nothing moves; an index that the firmware has not seen yet stays.
         self.read_ntc();

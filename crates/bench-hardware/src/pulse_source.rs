@@ -7,7 +7,7 @@
 use driver_chips::tmc5160::Edges;
 
 use crate::TICK_NS;
-use crate::config::StepDirConfig;
+use crate::parts::PulseParts;
 
 /// The smallest frequency: 1 µHz.
 const PER_HZ: f64 = 1e6;
@@ -22,7 +22,7 @@ const HALF: u64 = PERIOD / 2;
 
 /// A pulse source.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct PulseSource {
+pub struct PulseSource {
     /// The frequency that it shall have, signed, in µHz, and the one it has.
     wanted_uhz: i64,
     frequency_uhz: i64,
@@ -53,17 +53,17 @@ struct Span {
 }
 
 impl PulseSource {
-    /// What a bench file connects.
-    pub(crate) fn connected(config: &StepDirConfig) -> Self {
+    /// What is connected from the start.
+    pub fn connected(parts: &PulseParts) -> Self {
         let mut source = Self::default();
-        source.set_acceleration(config.acceleration_hz_per_s);
-        source.set_frequency(config.frequency_hz);
-        source.set_pulses(config.pulses);
+        source.set_acceleration(parts.acceleration_hz_per_s);
+        source.set_frequency(parts.frequency_hz);
+        source.set_pulses(parts.pulses);
         source
     }
 
     /// Sets the frequency, to the nearest µHz, at most 1 GHz; negative is to the left.
-    pub(crate) fn set_frequency(&mut self, frequency_hz: f64) {
+    pub fn set_frequency(&mut self, frequency_hz: f64) {
         let limit = 1_000_000_000_000_000;
         self.wanted_uhz = (libm::round(frequency_hz * PER_HZ) as i64).clamp(-limit, limit);
         if self.acceleration == 0 {
@@ -72,7 +72,7 @@ impl PulseSource {
     }
 
     /// Sets how fast the frequency changes; 0 = at once.
-    pub(crate) fn set_acceleration(&mut self, hz_per_s: f64) {
+    pub fn set_acceleration(&mut self, hz_per_s: f64) {
         self.acceleration = libm::round(hz_per_s * PER_HZ / PER_SECOND) as u64;
         if self.acceleration == 0 {
             self.frequency_uhz = self.wanted_uhz;
@@ -80,18 +80,18 @@ impl PulseSource {
     }
 
     /// Lets it fall silent after so many pulses, the first of them a whole period from now; `None`: never.
-    pub(crate) fn set_pulses(&mut self, pulses: Option<u32>) {
+    pub fn set_pulses(&mut self, pulses: Option<u32>) {
         self.left = pulses;
         self.phase = 0;
     }
 
     /// Pulses in the last control period, positive to the right.
-    pub(crate) fn steps(&self) -> i32 {
+    pub fn steps(&self) -> i32 {
         self.steps
     }
 
     /// The edges on STEP in the last control period, which has so many clocks.
-    pub(crate) fn edges(&self, clocks: u32) -> Edges {
+    pub fn edges(&self, clocks: u32) -> Edges {
         let Span { count, to_first, rate, rising_first } = self.edges;
         let clock = |fractions: u64| (fractions * u64::from(clocks) / rate.max(1)) as u32; // within the period
         Edges {
@@ -104,18 +104,18 @@ impl PulseSource {
     }
 
     /// Pulses to the right less those to the left, since the bench was switched on.
-    pub(crate) fn total(&self) -> i64 {
+    pub fn total(&self) -> i64 {
         self.total
     }
 
     /// Nobody counted the pulses of the last control period.
-    pub(crate) fn forget_steps(&mut self) {
+    pub fn forget_steps(&mut self) {
         self.steps = 0;
         self.edges = Span::default();
     }
 
     /// Lets a control period pass.
-    pub(crate) fn advance(&mut self) {
+    pub fn advance(&mut self) {
         self.accelerate();
         let (rate, to_first) = (self.rate(), self.until_edge());
         let count = if rate < to_first { 0 } else { 1 + (rate - to_first) / HALF };
@@ -135,7 +135,7 @@ impl PulseSource {
     }
 
     /// Lets control periods pass in which no pulse begins; one may end.
-    pub(crate) fn rest(&mut self, periods: u64) {
+    pub fn rest(&mut self, periods: u64) {
         debug_assert!(periods < self.periods_to_pulse(), "a rest across a pulse");
         self.edges = Span::default();
         self.phase = self.phase.saturating_add(self.rate().saturating_mul(periods));
@@ -144,12 +144,12 @@ impl PulseSource {
     }
 
     /// Control periods until the end of the one in which the next pulse begins; `u64::MAX` = never.
-    pub(crate) fn periods_to_pulse(&self) -> u64 {
+    pub fn periods_to_pulse(&self) -> u64 {
         if self.left == Some(0) { u64::MAX } else { self.periods_to(PERIOD) }
     }
 
     /// The same for the next edge.
-    pub(crate) fn periods_to_edge(&self) -> u64 {
+    pub fn periods_to_edge(&self) -> u64 {
         if self.edges_left() == 0 { u64::MAX } else { self.periods_to(self.phase + self.until_edge()) }
     }
 
@@ -207,6 +207,10 @@ impl PulseSource {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
     use proptest::prelude::*;
 
     use super::*;

@@ -9,9 +9,10 @@ use motor_physics::load::LoadTorque;
 use motor_physics::stepper::{Stepper, StepperParameters};
 use motor_physics::supply::Supply;
 
-use crate::bench_parts::{BOARD_W, HEAT_NS, PERIOD_S, mechanics, seconds};
-use crate::config::{Coil, ModuleConfig, MotorConfig, Power, Setting};
+use crate::bench_parts::{BOARD_W, HEAT_NS, PERIOD_S, seconds};
 use crate::hardware::Physical;
+use crate::parts::CommonParts;
+use crate::{Coil, Power, Setting};
 
 /// On-resistance of the two transistors in series with a coil (chosen: two of 50 mΩ).
 const BRIDGE_OHM: f64 = 0.1;
@@ -21,10 +22,12 @@ const FULL_STEPS: f64 = 4.0;
 
 /// Power stage, motor and load.
 #[derive(Clone, Debug)]
-pub(crate) struct StepperStage {
-    pub(crate) motor: Stepper,
+pub struct StepperStage {
+    /// The motor and its shaft.
+    pub motor: Stepper,
     load: LoadTorque,
-    pub(crate) supply: Supply,
+    /// What it runs on.
+    pub supply: Supply,
     winding: HeatedBody,
     board: HeatedBody,
     powered: bool,
@@ -32,26 +35,27 @@ pub(crate) struct StepperStage {
     board_temperature_c: Option<f64>,
     open_coil: Option<Coil>,
     shorted_coil: Option<Coil>,
-    pub(crate) time_ns: u64,
+    /// Virtual time.
+    pub time_ns: u64,
     /// The heat of the windings, counted from power-on, when the temperatures were last brought up to date.
     heat_from_pj: i64,
     load_nm: f64,
     /// Whether the motor moved in the last control period, or its currents changed.
-    pub(crate) moved: bool,
+    pub moved: bool,
 }
 
 impl StepperStage {
     /// Everything at rest, the shaft at 0.
-    pub(crate) fn new(config: &ModuleConfig) -> Self {
-        let parameters = motor(config);
+    #[must_use]
+    pub fn new(common: &CommonParts, motor: StepperParameters) -> Self {
         Self {
-            motor: Stepper::new(parameters, mechanics(&config.load, parameters.rotor_inertia_kgm2)),
-            load: config.load.torque.clone(),
-            supply: Supply::new(config.supply),
-            winding: HeatedBody::new(HeatParameters::stepper_winding(&parameters)),
+            motor: Stepper::new(motor, common.mechanics),
+            load: common.load.clone(),
+            supply: Supply::new(common.supply),
+            winding: HeatedBody::new(HeatParameters::stepper_winding(&motor)),
             board: HeatedBody::new(HeatParameters::board()),
             powered: true,
-            ambient_c: config.temperature_c,
+            ambient_c: common.ambient_c,
             board_temperature_c: None,
             open_coil: None,
             shorted_coil: None,
@@ -63,7 +67,7 @@ impl StepperStage {
     }
 
     /// What the chip sees.
-    pub(crate) fn pins(&self) -> Pins {
+    pub fn pins(&self) -> Pins {
         let parameters = self.motor.parameters();
         Pins {
             currents_a: self.motor.currents_a,
@@ -78,7 +82,7 @@ impl StepperStage {
     }
 
     /// Holds the terminals for the control period that ends at `until_ns`.
-    pub(crate) fn advance(&mut self, terminals: [Terminal; 2], until_ns: u64) {
+    pub fn advance(&mut self, terminals: [Terminal; 2], until_ns: u64) {
         let terminals = self.interrupted(terminals);
         self.load_nm = self.load.at(self.motor.turns(), seconds(self.time_ns));
         self.moved = self.motor.advance(terminals, self.load_nm, PERIOD_S);
@@ -88,18 +92,18 @@ impl StepperStage {
     }
 
     /// Control periods like the last one, in which nothing changed.
-    pub(crate) fn rest(&mut self, periods: u64, until_ns: u64) {
+    pub fn rest(&mut self, periods: u64, until_ns: u64) {
         self.motor.rest(periods);
         self.time_ns = until_ns;
     }
 
     /// The next instant at which something may change by itself; `None`: it may at once.
-    pub(crate) fn next_change_ns(&self) -> Option<u64> {
+    pub fn next_change_ns(&self) -> Option<u64> {
         (!self.load.changes_with_time()).then_some((self.time_ns / HEAT_NS + 1) * HEAT_NS)
     }
 
     /// What really is, with the field where the chip commands it.
-    pub(crate) fn physical(&self, commanded: [i16; 2]) -> Physical {
+    pub fn physical(&self, commanded: [i16; 2]) -> Physical {
         let [coil_a_a, coil_b_a] = self.motor.currents_a;
         Physical {
             rotor_turns: self.motor.turns(),
@@ -118,12 +122,12 @@ impl StepperStage {
     }
 
     /// The board's temperature.
-    pub(crate) fn board_temperature_c(&self) -> f64 {
+    pub fn board_temperature_c(&self) -> f64 {
         self.board_temperature_c.unwrap_or_else(|| self.board.temperature_c(self.ambient_c))
     }
 
     /// Changes something about it; what is not its own comes back.
-    pub(crate) fn apply(&mut self, setting: Setting) -> Option<Setting> {
+    pub fn apply(&mut self, setting: Setting) -> Option<Setting> {
         match setting {
             Setting::LoadTorqueNm(torque_nm) => self.load = LoadTorque::Constant(torque_nm),
             Setting::LoadInertiaKgm2(inertia_kgm2) => {
@@ -142,7 +146,7 @@ impl StepperStage {
     }
 
     /// The rotor keeps its place.
-    pub(crate) fn switch(&mut self, power: Power) {
+    pub fn switch(&mut self, power: Power) {
         self.powered = power != Power::Off;
     }
 
@@ -193,12 +197,6 @@ impl StepperStage {
             [a, b] => wrapped(libm::atan2(b, a) - self.motor.angle().electrical_rad()).to_degrees(),
         }
     }
-}
-
-/// The bench file's parser lets no other motor near a stepper module; built by hand, a wrong one becomes the default.
-fn motor(config: &ModuleConfig) -> StepperParameters {
-    let default = || MotorConfig::default_for(config.kind).stepper();
-    config.motor.stepper().or_else(default).expect("the default motor of a stepper module is a stepper")
 }
 
 /// An angle brought back to −π to π.

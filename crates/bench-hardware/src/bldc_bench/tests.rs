@@ -1,18 +1,19 @@
 //! The bench driven directly: what a voltage vector does, and what the sensors make of it.
 
+extern crate std;
+
 use core::f64::consts::TAU;
+use std::vec::Vec;
 
 use module_firmware::tmcm_1640::{Drive, PWM_PERIOD, Sensed};
 
 use super::BldcBench;
 use super::build::BOARD;
-use crate::config::{
-    Contact, EncoderConfig, EncoderLine, HallSensor, HallsConfig, ModuleConfig, Phase, Power, Setting,
-    SwitchName,
+use crate::parts::{BldcParts, CommonParts, EncoderParts};
+use crate::{
+    Contact, EncoderLine, HallSensor, Hardware, Phase, Physical, Power, Setting, Surroundings, SwitchName,
+    TICK_NS,
 };
-use crate::hardware::{Hardware, Physical};
-use crate::module::Surroundings;
-use crate::{ModuleKind, TICK_NS};
 
 const OFF: Drive = Drive { duties: [0; 3], enabled: false, output: false };
 
@@ -20,8 +21,8 @@ const OFF: Drive = Drive { duties: [0; 3], enabled: false, output: false };
 const POLE_PAIRS: f64 = 4.0;
 const PHASE_OHM: f64 = 0.36;
 
-fn config() -> ModuleConfig {
-    ModuleConfig::default_for(ModuleKind::Tmcm1640, "m1")
+fn config() -> BldcParts {
+    BldcParts::standard().expect("the default bench")
 }
 
 struct Run {
@@ -30,7 +31,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(config: &ModuleConfig) -> Self {
+    fn new(config: &BldcParts) -> Self {
         Self { bench: BldcBench::new(config), time_ns: 0 }
     }
 
@@ -115,15 +116,16 @@ fn at_standstill_the_current_is_voltage_over_resistance() {
 #[test]
 fn hall_sensors_and_encoder_tell_where_the_rotor_is() {
     const SECTORS: [u8; 6] = [0b001, 0b011, 0b010, 0b110, 0b100, 0b101];
-    for halls in [HallsConfig::default(), HallsConfig { offset_deg: 20.0, inverted: true }] {
-        let mut run = Run::new(&ModuleConfig { halls, ..config() });
+    for (offset_deg, inverted) in [(0.0, false), (20.0, true)] {
+        let parts = BldcParts { halls_offset_deg: offset_deg, halls_inverted: inverted, ..config() };
+        let mut run = Run::new(&parts);
         let mut seen = [false; 6];
         for period in 0..periods(1.0) {
             run.tick(&vector(0.12, f64::from(period) * 50e-6 * POLE_PAIRS));
             let turns = run.physical().rotor_turns;
-            let electrical = (turns * POLE_PAIRS - halls.offset_deg / 360.0).rem_euclid(1.0);
+            let electrical = (turns * POLE_PAIRS - offset_deg / 360.0).rem_euclid(1.0);
             let sector = (electrical * 6.0) as usize % 6;
-            let expected = if halls.inverted { !SECTORS[sector] & 7 } else { SECTORS[sector] };
+            let expected = if inverted { !SECTORS[sector] & 7 } else { SECTORS[sector] };
             assert_eq!(run.sensed().halls, expected, "at {turns} turns");
             assert_eq!(run.sensed().encoder_counts, (turns * 4096.0).floor() as i32);
             seen[sector] = true;
@@ -134,8 +136,9 @@ fn hall_sensors_and_encoder_tell_where_the_rotor_is() {
 
 #[test]
 fn the_index_comes_once_a_turn() {
-    let encoder = EncoderConfig { offset_turns: 0.3, ..config().encoder };
-    let mut run = Run::new(&ModuleConfig { encoder, ..config() });
+    let encoder = EncoderParts { offset_turns: 0.3, ..config().common.encoder };
+    let common = CommonParts { encoder, ..config().common };
+    let mut run = Run::new(&BldcParts { common, ..config() });
     let mut at_turns = Vec::new();
     for period in 0..periods(3.0) {
         run.tick(&vector(0.12, f64::from(period) * 50e-6 * POLE_PAIRS));
@@ -301,13 +304,13 @@ fn dead_lines_show_what_dead_lines_do() {
 fn stop_switches_are_inputs_and_idle_inputs_are_low() {
     let run = Run::new(&config());
     assert_eq!(run.sensed().inputs, 0);
-    let mut config = config();
+    let mut parts = config();
     let at = |from_turns, to_turns| {
         Some(motor_physics::switch::SwitchConfig { from_turns, to_turns, bounce_ns: 0 })
     };
-    config.switches.right = at(0.5, f64::INFINITY);
-    config.switches.left = at(f64::NEG_INFINITY, -0.5);
-    let mut run = Run::new(&config);
+    let right = at(0.5, f64::INFINITY);
+    parts.switches = [at(f64::NEG_INFINITY, -0.5), right];
+    let mut run = Run::new(&parts);
     assert_eq!(run.sensed().inputs, 0b00, "closed contacts");
     run.rotate(0.12, 0.0, 1.0, 0.7);
     assert_eq!(run.sensed().inputs, 0b01, "the right one is IN_0");
@@ -315,7 +318,7 @@ fn stop_switches_are_inputs_and_idle_inputs_are_low() {
     assert_eq!(run.sensed().inputs, 0b10, "the left one is IN_1");
     run.bench.apply(Setting::SwitchContact { switch: SwitchName::Right, stuck: Some(Contact::Open) });
     assert_eq!(run.sensed().inputs, 0b11);
-    let mut free = Run::new(&ModuleConfig::default_for(ModuleKind::Tmcm1640, "m1"));
+    let mut free = Run::new(&config());
     free.bench.apply(Setting::Input { number: 1, high: true });
     free.bench.apply(Setting::AnalogInput { number: 0, reading: 1234 });
     assert_eq!((free.sensed().inputs, free.sensed().analog_input), (0b10, 1234));
