@@ -4,7 +4,6 @@
 mod codegen;
 mod figures;
 mod firmware;
-mod firmware;
 mod layering;
 mod program;
 mod test;
@@ -49,15 +48,6 @@ enum Chore {
         #[arg(long, default_value = "tmcm-1311", value_parser = firmware::MODULES)]
         module: String,
     },
-    /// Build the modules' images for a Cortex-M3, and report what they take
-    Firmware {
-        /// Run one on an emulated chip: the physics of the default bench around it, its port at tcp://127.0.0.1:5311
-        #[arg(long)]
-        run: bool,
-        /// Which module runs
-        #[arg(long, default_value = "tmcm-1311", value_parser = firmware::MODULES)]
-        module: String,
-    },
     /// Check that crates import only what ARCHITECTURE.md lets them
     Layering,
 }
@@ -67,9 +57,6 @@ fn main() -> std::process::ExitCode {
         Chore::Test { only } => test::run(only.as_deref()),
         Chore::Codegen { check } => codegen::run(mode(check)),
         Chore::Figures { check } => figures::run(mode(check)),
-        Chore::Firmware { run, module } => {
-            firmware::build().and_then(|()| if run { firmware::run(&module) } else { Ok(()) })
-        }
         Chore::Firmware { run, module } => {
             firmware::build().and_then(|()| if run { firmware::run(&module) } else { Ok(()) })
         }

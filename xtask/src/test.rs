@@ -78,7 +78,16 @@ fn firmware() -> Result<()> {
     run(&["fmt", "--all", "--check"])?;
     images::build()?;
     run(&["test", "--package", "module-storage"])?;
-    let package = ["--package", "emulated-module", "--features", "emulator", "--test", "emulated_chips"];
+    let package = [
+        "--package",
+        "emulated-module",
+        "--features",
+        "emulator",
+        "--test",
+        "emulated_chips",
+        "--test",
+        "power_cuts",
+    ];
     cargo(&["test", "--profile", PROFILE].into_iter().chain(package).collect::<Vec<_>>())
 }
 

@@ -1,11 +1,8 @@
 //! Sessions against emulated chips: byte for byte what virtual modules answered, at the same ticks; what a control period
-//! takes; and power that is cut while a module stores.
-#![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests that read and remove files")]
+//! takes.
+#![allow(clippy::unwrap_used, reason = "tests")]
 
 mod common;
-
-use std::fs;
-use std::path::{Path, PathBuf};
 
 use emulated_module::{Counting, EmulatedChip, play};
 
@@ -15,24 +12,10 @@ const BUDGET: u64 = 2400;
 /// Bytes of RAM at most: what is static, and the stack at its deepest; the images with physics need more.
 const STACK: u32 = 24 * 1024;
 
-fn image(module: &str) -> PathBuf {
-    let folder = common::folder().join("../../firmware/target/thumbv7m-none-eabi/release");
-    let image = folder.join(format!("{module}-bench"));
-    assert!(image.exists(), "{} is missing: `cargo xtask firmware` builds it", image.display());
-    image
-}
-
-/// A new chip's memory.
-fn memory(name: &str) -> PathBuf {
-    let memory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.psram"));
-    let _ = fs::remove_file(&memory);
-    memory
-}
-
 fn answers_as_recorded(module: &str) {
     for (name, _, recorded) in common::sessions(module) {
-        let memory = memory(&format!("{module}-{name}"));
-        let mut chip = EmulatedChip::start(&image(module), &memory, Counting::Instructions).unwrap();
+        let memory = common::memory(&format!("{module}-{name}"));
+        let mut chip = EmulatedChip::start(&common::image(module), &memory, Counting::Instructions).unwrap();
         let played = play(&recorded, &mut chip).unwrap();
         let (measured, stack) = (chip.measure().unwrap(), chip.stack().unwrap());
         println!("{module}, {name}: {measured:?}, {stack:?}");

@@ -8,6 +8,7 @@
 #![warn(missing_docs)]
 
 mod bench;
+mod division;
 mod memory;
 mod module;
 pub mod psram;
