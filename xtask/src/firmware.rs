@@ -105,10 +105,64 @@ fn report(module: &str) -> Result<()> {
     for (name, bytes) in by_crate(&output("arm-none-eabi-nm", &["--print-size", "--demangle"], &image)?) {
         println!("  {bytes:>7}  {name}");
     }
+    check_panics(&image)?;
     if flash > FLASH_BUDGET || ram > RAM_BUDGET {
         bail!("{module} takes more than {FLASH_BUDGET} bytes of flash or {RAM_BUDGET} bytes of RAM");
     }
     Ok(())
+}
+
+/// Every call of something that panics, by the line of source that it comes from: none may be ours. The checks of the storage's
+/// driver are counted.
+fn check_panics(image: &Path) -> Result<()> {
+    let code = output("arm-none-eabi-objdump", &["--disassemble", "--demangle"], image)?;
+    let mut places = Vec::new();
+    let mut function = "";
+    for line in code.lines() {
+        if let Some((_, name)) = line.strip_suffix(">:").and_then(|line| line.split_once(" <")) {
+            function = name;
+        } else if let Some((address, rest)) = line.trim_start().split_once(":\t")
+            && let Some((_, callee)) = rest.strip_suffix('>').and_then(|rest| rest.split_once(" <"))
+            && panics(callee)
+            && !panics(function)
+        {
+            places.push(format!("0x{address}"));
+        }
+    }
+    let arguments: Vec<_> = ["-i", "-a"].into_iter().chain(places.iter().map(String::as_str)).collect();
+    let lines =
+        output_with("arm-none-eabi-addr2line", |command| command.arg("-e").arg(image).args(&arguments))?;
+    // For each address the lines that were inlined there, the innermost first; those of Rust's library are not the cause.
+    let mut causes = Vec::new();
+    let mut waits = false;
+    for line in lines.lines() {
+        if line.starts_with("0x") {
+            waits = true;
+        } else if waits && !line.contains("/library/") && !line.contains("rustlib") {
+            causes.push(line.to_owned());
+            waits = false;
+        }
+    }
+    let root = workspace_root();
+    let ours: Vec<_> = causes.iter().filter(|line| Path::new(line).starts_with(&root)).cloned().collect();
+    println!(
+        "  {:>7}  checks of the storage's driver that could panic; none of ours",
+        causes.len() - ours.len()
+    );
+    if ours.is_empty() { Ok(()) } else { bail!("this could panic:\n  {}", ours.join("\n  ")) }
+}
+
+fn panics(function: &str) -> bool {
+    [
+        "core::panicking::",
+        "unwrap_failed",
+        "expect_failed",
+        "_index_fail",
+        "assert_failed",
+        "len_mismatch_fail",
+    ]
+    .into_iter()
+    .any(|name| function.contains(name))
 }
 
 /// The flash that the symbols of each crate take, the largest first. What is inlined counts where it ends up.
@@ -134,7 +188,11 @@ fn by_crate(symbols: &str) -> Vec<(String, u64)> {
 }
 
 fn output(program: &str, arguments: &[&str], image: &Path) -> Result<String> {
-    let output = Command::new(program).args(arguments).arg(image).output();
+    output_with(program, |command| command.args(arguments).arg(image))
+}
+
+fn output_with(program: &str, with: impl FnOnce(&mut Command) -> &mut Command) -> Result<String> {
+    let output = with(&mut Command::new(program)).output();
     let output = output.with_context(|| {
         format!("{program} is missing: `apt-get install binutils-arm-none-eabi` (Debian, Ubuntu)")
     })?;
