@@ -4,6 +4,7 @@
 //! sources build it.
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -206,24 +207,25 @@ fn output_with(program: &str, with: impl FnOnce(&mut Command) -> &mut Command) -
 pub(crate) fn run(module: &str) -> Result<()> {
     let folder = workspace_root().join("target/firmware");
     std::fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
-    // QEMU reads what the harness says from a file: F, for time that runs.
-    let harness = folder.join("harness");
-    std::fs::write(&harness, "F").with_context(|| format!("writing {}", harness.display()))?;
     let memory = folder.join(format!("{module}.psram"));
     println!(
         "{module} on an emulated chip: tcp://127.0.0.1:5311; it keeps what it stores in {}",
         memory.display()
     );
-    let status = Command::new(QEMU)
+    let mut qemu = Command::new(QEMU)
         .args(["-machine", "mps2-an385,memory-backend=psram", "-object"])
         .arg(format!("memory-backend-file,id=psram,size=16M,share=on,mem-path={}", memory.display()))
         .args(["-display", "none", "-monitor", "none", "-kernel"])
         .arg(image(&format!("{module}-bench")))
         .args(["-serial", "tcp:127.0.0.1:5311,server=on,wait=off,nodelay=on"])
-        .args(["-chardev", &format!("file,id=harness,path=/dev/null,input-path={}", harness.display())])
-        .args(["-serial", "chardev:harness"])
-        .stdin(Stdio::null())
-        .status()
+        // The harness of the image is at QEMU's standard input.
+        .args(["-chardev", "stdio,id=harness,signal=off", "-serial", "chardev:harness"])
+        .stdin(Stdio::piped())
+        .spawn()
         .with_context(|| format!("{QEMU} is missing: `apt-get install qemu-system-arm` (Debian, Ubuntu)"))?;
+    // F: time runs. The pipe stays open as long as QEMU runs.
+    let mut harness = qemu.stdin.take().context("QEMU's input")?;
+    harness.write_all(b"F").context("telling the harness that time runs")?;
+    let status = qemu.wait().context("waiting for QEMU")?;
     if status.success() { Ok(()) } else { bail!("{QEMU} ended with {status}") }
 }
