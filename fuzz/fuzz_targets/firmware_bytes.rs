@@ -10,6 +10,7 @@ use std::cell::LazyCell;
 use libfuzzer_sys::fuzz_target;
 use tmcl_wire::Request;
 use tmcl_wire::serial::{checksum, encode_request};
+use virtual_bench::config::Setting;
 use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, PortId};
 
 const MODULE: ModuleId = ModuleId(0);
@@ -19,6 +20,7 @@ thread_local! {
     static CLOSED: LazyCell<Bench> = LazyCell::new(closed);
     static HALLS: LazyCell<Bench> = LazyCell::new(|| Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1640)));
     static ENCODER: LazyCell<Bench> = LazyCell::new(by_encoder);
+    static PULSES: LazyCell<Bench> = LazyCell::new(pulsed);
 }
 
 /// What comes back of a request in no time.
@@ -47,10 +49,22 @@ fn by_encoder() -> Bench {
     bench
 }
 
+/// A TMCM-1076 that follows 100 000 pulses a second.
+fn pulsed() -> Bench {
+    let mut bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1076));
+    exchange(&mut bench, [5, 140, 0, 0, 0, 0, 8]);
+    bench.apply(MODULE, Setting::StepAccelerationHzPerS(100_000.0));
+    bench.apply(MODULE, Setting::StepFrequencyHz(100_000.0));
+    bench.advance_by(1_500_000_000);
+    let tstep = exchange(&mut bench, [6, 135, 0, 0, 0, 0, 0]);
+    assert_eq!(tstep[4..8], [0, 0, 0, 120], "AP 135");
+    bench
+}
+
 fuzz_target!(|data: &[u8]| {
     let Some((state, data)) = data.split_first() else { return };
-    let states = [&OPEN, &CLOSED, &HALLS, &ENCODER];
-    let mut bench = states[usize::from(state % 4)].with(|bench| Bench::clone(bench));
+    let states = [&OPEN, &CLOSED, &HALLS, &ENCODER, &PULSES];
+    let mut bench = states[usize::from(state % 5)].with(|bench| Bench::clone(bench));
     let (mut binary, mut in_step) = (true, true);
     // Eight bytes each: where to, and a request; or raw bytes, where the first says so.
     for chunk in data.chunks(9) {
@@ -76,7 +90,7 @@ fuzz_target!(|data: &[u8]| {
         }
         assert_eq!(replies.len() % 9, 0);
         for reply in replies.chunks_exact(9) {
-            let version = [&b"1311V111"[..], b"1640V200"].contains(&&reply[1..]);
+            let version = [&b"1311V111"[..], b"1640V200", b"1076V102"].contains(&&reply[1..]);
             assert!(version || checksum(&reply[..8]) == reply[8], "{reply:02x?}");
         }
     }

@@ -119,13 +119,14 @@ fn virtual_environment() -> Result<PathBuf> {
 }
 
 /// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 10] = [
+const FUZZ_TARGETS: [&str; 11] = [
     "serial_decoder",
     "firmware_bytes",
     "ascii",
     "program",
     "bench_file",
     "config_file",
+    "eeprom_image",
     "expectation",
     "client_replies",
     "slcan",

@@ -50,6 +50,7 @@ struct Span {
     to_first: u64,
     rate: u64,
     rising_first: bool,
+    reverse: bool,
 }
 
 impl PulseSource {
@@ -74,6 +75,7 @@ impl PulseSource {
     /// Sets how fast the frequency changes; 0 = at once.
     pub fn set_acceleration(&mut self, hz_per_s: f64) {
         self.acceleration = libm::round(hz_per_s * PER_HZ / PER_SECOND) as u64;
+        self.start_from_rest();
         if self.acceleration == 0 {
             self.frequency_uhz = self.wanted_uhz;
         }
@@ -81,6 +83,7 @@ impl PulseSource {
 
     /// Lets it fall silent after so many pulses, the first of them a whole period from now; `None`: never.
     pub fn set_pulses(&mut self, pulses: Option<u32>) {
+        self.start_from_rest();
         self.left = pulses;
         self.phase = 0;
     }
@@ -92,14 +95,14 @@ impl PulseSource {
 
     /// The edges on STEP in the last control period, which has so many clocks.
     pub fn edges(&self, clocks: u32) -> Edges {
-        let Span { count, to_first, rate, rising_first } = self.edges;
+        let Span { count, to_first, rate, rising_first, reverse } = self.edges;
         let clock = |fractions: u64| (fractions * u64::from(clocks) / rate.max(1)) as u32; // within the period
         Edges {
             count: count as u32,
             first_clock: clock(to_first),
             last_clock: clock(to_first + count.saturating_sub(1) * HALF),
             rising_first,
-            reverse: self.frequency_uhz < 0,
+            reverse,
         }
     }
 
@@ -120,7 +123,8 @@ impl PulseSource {
         let (rate, to_first) = (self.rate(), self.until_edge());
         let count = if rate < to_first { 0 } else { 1 + (rate - to_first) / HALF };
         let count = count.min(self.edges_left());
-        let edges = Span { count, to_first, rate, rising_first: !self.high };
+        let reverse = self.frequency_uhz < 0;
+        let edges = Span { count, to_first, rate, rising_first: !self.high, reverse };
         self.edges = if count > 0 { edges } else { Span::default() };
         let pulses = (count + u64::from(!self.high)) / 2;
         self.high ^= count % 2 == 1;
@@ -130,7 +134,7 @@ impl PulseSource {
             *left -= pulses.unsigned_abs();
         }
         self.fall_silent();
-        self.steps = if self.frequency_uhz < 0 { -pulses } else { pulses };
+        self.steps = if reverse { -pulses } else { pulses };
         self.total += i64::from(self.steps);
     }
 
@@ -178,6 +182,13 @@ impl PulseSource {
         if self.edges_left() == 0 {
             self.phase = 0;
             self.frequency_uhz = self.aimed_uhz();
+        }
+    }
+
+    /// A ramp of a source that was silent begins at 0.
+    fn start_from_rest(&mut self) {
+        if self.acceleration > 0 && self.edges_left() == 0 {
+            self.frequency_uhz = 0;
         }
     }
 
@@ -349,6 +360,24 @@ mod tests {
         assert!(interval(76_000).abs_diff(1500) < 15, "{} clocks", interval(76_000));
         assert!(interval(79_990) > 20_000, "slow at the end");
         assert_eq!(source.periods_to_edge(), u64::MAX);
+    }
+
+    #[test]
+    fn every_edge_of_a_pulse_has_its_direction_and_a_new_ramp_begins_at_rest() {
+        let mut source = at(-51_200.0);
+        for acceleration in [0.0, 8000.0] {
+            source.set_acceleration(acceleration);
+            source.set_frequency(-8000.0);
+            source.set_pulses(Some(100));
+            let mut reversed = 0;
+            for period in 0..10_000 {
+                source.advance();
+                let edges = source.edges(600);
+                reversed += if edges.reverse { edges.count } else { 0 };
+                assert!(acceleration == 0.0 || period > 200 || edges.count == 0, "√(2 / a) is 15 ms");
+            }
+            assert_eq!(reversed, 200);
+        }
     }
 
     #[test]

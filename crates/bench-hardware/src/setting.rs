@@ -55,6 +55,8 @@ pub enum Setting {
     BoardTemperatureC(Option<f64>),
     /// The rotor slips by this many full steps at once, to the right if positive.
     DroppedSteps(i32),
+    /// The module's power fails after so many further byte writes to its EEPROM; `None`: it does not.
+    EepromCut(Option<u32>),
     /// Pulses a second at the step/direction connector, -1 000 000 to 1 000 000; positive is to the right.
     StepFrequencyHz(f64),
     /// How fast that changes to another value, 0 to 1 000 000 000 Hz/s; 0 = at once.

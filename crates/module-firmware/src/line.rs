@@ -67,8 +67,8 @@ impl<A: Axis> Firmware<A> {
             port.line = line;
             port.clear();
             self.start_port(id);
+            self.restart_heartbeat();
         }
-        self.restart_heartbeat();
     }
 
     /// How long every port's line may be silent within a datagram before what came of it is dropped. By default 100 ms on

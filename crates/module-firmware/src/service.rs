@@ -126,7 +126,9 @@ impl<A: Axis> Firmware<A> {
             command: Command::RequestPositionReachedEvent.number(),
             value: POSITION_REACHED_MASK,
         };
-        for port in PortId::ALL {
+        // A reply that waits for the storage has its room already.
+        let reserved = self.pending.as_ref().map(|pending| pending.port);
+        for port in PortId::ALL.into_iter().filter(|port| Some(*port) != reserved) {
             let envelope = self.event_envelope(port);
             let Some(port) = self.port_mut(port) else { continue };
             while port.awaits_position > 0 && port.reply(envelope, reply) {

@@ -53,6 +53,29 @@ fn the_secondary_address_and_suppression_are_obeyed_in_silence() {
     assert_eq!(node.ok(GGP, 0, 2, 0), 6);
 }
 
+/// Events that all come at once leave room for the reply to a request that waits for the storage.
+#[test]
+fn a_reply_that_waits_for_the_storage_keeps_its_room() {
+    const EVENT: Command = Command::RequestPositionReachedEvent;
+    const EVENTS: usize = 20;
+    let mut node = node();
+    node.ok(Command::MoveToPosition, 0, 0, 100);
+    for _ in 0..EVENTS {
+        assert_eq!(node.exchange(RS485, &datagram(1, EVENT, 0, 0, 0)), answer(1, EVENT, 1));
+    }
+    for byte in datagram(1, SGP, 87, 0, 20) {
+        assert!(node.firmware.receive(RS485, byte));
+    }
+    assert!(node.firmware.has_background_work());
+    for _ in 0..1000 * TICKS_PER_MS {
+        let _ = node.firmware.tick(&Sensed::default());
+    }
+    node.work();
+    let event = Reply { status: Status::Delayed, command: EVENT.number(), value: 1 };
+    let events = serial::encode_reply(2, 1, event).repeat(EVENTS);
+    assert_eq!(node.heard(RS485), [answer(1, SGP, 20).as_slice(), &events].concat());
+}
+
 mod pause {
     use super::*;
 

@@ -1,6 +1,6 @@
 //! One request and its reply.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use tmcl_link::{Link, LinkError};
@@ -47,7 +47,8 @@ impl Default for Settings {
 pub struct Client<L> {
     link: L,
     settings: Settings,
-    module: Option<&'static ModuleSpec>,
+    /// Which module is at an address, where that is known.
+    modules: BTreeMap<u8, &'static ModuleSpec>,
     /// Replies that may still come: the address of the module, and the command.
     owed: BTreeSet<(u8, u8)>,
     /// The addresses of modules that may be in download mode.
@@ -65,7 +66,14 @@ impl<L: Link> Client<L> {
     /// A host with other settings.
     #[must_use]
     pub fn with_settings(link: L, settings: Settings) -> Self {
-        Self { link, settings, module: None, owed: BTreeSet::new(), downloading: BTreeSet::new(), last: None }
+        Self {
+            link,
+            settings,
+            modules: BTreeMap::new(),
+            owed: BTreeSet::new(),
+            downloading: BTreeSet::new(),
+            last: None,
+        }
     }
 
     /// The settings.
@@ -79,15 +87,20 @@ impl<L: Link> Client<L> {
         &mut self.settings
     }
 
-    /// The module's tables, once [`Client::firmware_version`] or [`Client::set_module`] told which it is.
+    /// The tables of the module at the address at hand, once [`Client::firmware_version`] or [`Client::set_module`] told which
+    /// it is.
     #[must_use]
     pub fn module(&self) -> Option<&'static ModuleSpec> {
-        self.module
+        self.modules.get(&self.settings.module_address).copied()
     }
 
-    /// Says which module this is: its tables then say which requests may be sent again.
+    /// Says which module is at the address at hand: its tables then say which requests may be sent again there.
     pub fn set_module(&mut self, module: Option<&'static ModuleSpec>) {
-        self.module = module;
+        let address = self.settings.module_address;
+        match module {
+            Some(module) => self.modules.insert(address, module),
+            None => self.modules.remove(&address),
+        };
     }
 
     /// What went over the line for the last request; nothing before the first. A client that makes certain of what is owed
@@ -190,7 +203,7 @@ impl<L: Link> Client<L> {
     }
 
     fn attempts(&self, request: Request) -> u32 {
-        if is_repeat_safe(self.module, request, self.downloading.contains(&self.settings.module_address)) {
+        if is_repeat_safe(self.module(), request, self.downloading.contains(&self.settings.module_address)) {
             self.settings.retries.saturating_add(1)
         } else {
             1
@@ -214,12 +227,17 @@ impl<L: Link> Client<L> {
     }
 
     /// Remembers that the module's reply to this command may still come.
-    pub(crate) fn owe(&mut self, command: u8) {
-        self.owed.insert((self.settings.module_address, command));
+    fn owe(&mut self, command: u8) {
+        self.owe_from(self.settings.module_address, command);
+    }
+
+    /// The same of a module at some address.
+    pub(crate) fn owe_from(&mut self, address: u8, command: u8) {
+        self.owed.insert((address, command));
     }
 
     /// Whether the module at hand owes a reply to any command; others on the bus are known by their address.
-    fn is_owed(&self) -> bool {
+    pub(crate) fn is_owed(&self) -> bool {
         self.owed.iter().any(|(module, _)| *module == self.settings.module_address)
     }
 

@@ -33,15 +33,13 @@ impl<L: Link> Client<L> {
         let settings = self.settings();
         let request = version::binary();
         let question = Question { host: settings.host_address, module: address, request };
-        let is_ours = address == settings.module_address;
-        if is_ours {
+        if address == settings.module_address {
             self.settle()?;
         }
         self.begin(Exchange::new(request, encode_request(address, request)));
         let answer = self.write_begun().and_then(|()| self.receive(timeout, |bytes| question.reply(bytes)));
-        // A reply from elsewhere is not taken for one of our module.
-        if is_ours && !matches!(answer, Ok(Ok(_))) {
-            self.owe(request.command);
+        if !matches!(answer, Ok(Ok(_))) {
+            self.owe_from(address, request.command);
         }
         Ok(match answer? {
             Ok(Answer::Done(reply)) => Presence::Module(FirmwareVersion::from_value(reply.value)),
@@ -96,5 +94,17 @@ mod tests {
         assert_eq!(client.probe(1, SHORT).expect("the line works"), Presence::Nobody);
         client.firmware_version().expect("it answers");
         assert_eq!(client.get_axis_parameter(5).expect("it answers"), crate::fake::value_of(5));
+    }
+
+    /// Nor is it after the client has turned to that address.
+    #[test]
+    fn so_is_one_from_elsewhere() {
+        let late = Fault::Delay(2 * SHORT);
+        let mut client = Client::new(FakeModule { address: 5, ..FakeModule::with_faults([late]) });
+        assert_eq!(client.probe(5, SHORT).expect("the line works"), Presence::Nobody);
+        client.settings_mut().module_address = 5;
+        assert!(client.is_owed());
+        assert_eq!(client.get_axis_parameter(5).expect("it answers"), crate::fake::value_of(5));
+        assert!(!client.is_owed());
     }
 }

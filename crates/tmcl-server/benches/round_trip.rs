@@ -12,7 +12,7 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use tmcl_server::Server;
+use tmcl_server::{Server, State};
 use tmcl_tables::Command;
 use tmcl_wire::{Request, serial};
 use virtual_bench::{Bench, BenchConfig, ModuleKind};
@@ -71,6 +71,17 @@ fn open_raw(path: &str) -> File {
     terminal
 }
 
+/// A server whose module keeps its EEPROM, and where it listens.
+fn keeping(folder: &std::path::Path) -> (Server, std::net::SocketAddr) {
+    let config = BenchConfig::default_for(ModuleKind::Tmcm1311);
+    let (state, eeproms, _) = State::open(folder, &config).expect("a folder");
+    let mut eeproms = eeproms.into_iter();
+    let mut server = Server::start(Bench::with_eeproms(&config, |_| eeproms.next()), 1.0, |_| {});
+    server.keep(state);
+    let address = server.listen_tcp("127.0.0.1:0").expect("a free port");
+    (server, address)
+}
+
 fn round_trip(c: &mut Criterion) {
     let link = std::env::temp_dir().join(format!("opentmcl-bench-{}", std::process::id()));
     let bench = Bench::new(&BenchConfig::default_for(ModuleKind::Tmcm1311));
@@ -85,6 +96,19 @@ fn round_trip(c: &mut Criterion) {
     group.bench_function("tcp/echo", |b| b.iter(|| exchange(&mut stream, &request)));
     let mut stream = connect(address);
     group.bench_function("tcp/tmcm-1311", |b| b.iter(|| exchange(&mut stream, &request)));
+    let folder = std::env::temp_dir().join(format!("opentmcl-state-{}", std::process::id()));
+    let keeping = keeping(&folder);
+    let mut stream = connect(keeping.1);
+    group.bench_function("tcp/tmcm-1311 with --state", |b| b.iter(|| exchange(&mut stream, &request)));
+    let mut values = (0..).map(|value| {
+        [Command::SetGlobalParameter, Command::StoreGlobalParameter]
+            .map(|command| serial::encode_request(1, Request::new(command, 7, 2, value)))
+    });
+    group.bench_function("tcp/tmcm-1311 with --state, SGP and STGP of another value", |b| {
+        b.iter(|| values.next().map(|requests| requests.map(|request| exchange(&mut stream, &request))));
+    });
+    drop(keeping);
+    let _ = std::fs::remove_dir_all(&folder);
     let mut terminal = pty_echo();
     group.bench_function("pty/echo", |b| b.iter(|| exchange(&mut terminal, &request)));
     let mut terminal = open_raw(&link.to_string_lossy());

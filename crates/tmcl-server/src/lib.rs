@@ -21,6 +21,7 @@ mod server;
 mod shared;
 #[cfg(unix)]
 mod slcan;
+pub mod state;
 mod tcp;
 
 pub use can_bus::CanError;
@@ -29,3 +30,4 @@ pub use pacer::Advance;
 pub use pty::PtyError;
 pub use server::{ListenError, Server, Settings};
 pub use shared::Notice;
+pub use state::State;

@@ -4,14 +4,16 @@ use std::time::{Duration, Instant};
 
 use virtual_bench::{Bench, TICK_NS};
 
+use crate::state::{State, StateError};
+
 /// How far virtual time may fall behind before it slips: it never sprints to catch up.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// How long one catching-up may take: whoever waits for the bench waits no longer than this.
 const SLICE: Duration = Duration::from_micros(80);
 
-/// Control periods between two looks at the clock.
-const TICKS_PER_LOOK: u64 = 16;
+/// Control periods of one module between two looks at the clock.
+const TICKS_PER_LOOK: usize = 16;
 
 /// How a bench is run on to an instant: plainly, or with somebody looking on.
 pub type Advance = Box<dyn FnMut(&mut Bench, u64) + Send>;
@@ -19,6 +21,8 @@ pub type Advance = Box<dyn FnMut(&mut Bench, u64) + Send>;
 /// A bench and the clock it follows.
 pub(crate) struct Paced {
     pub(crate) bench: Bench,
+    /// Where its EEPROMs are kept, if they are.
+    pub(crate) state: Option<State>,
     advance: Advance,
     speed: f64,
     /// The instant at which virtual time was `origin_ns`.
@@ -40,20 +44,31 @@ pub(crate) enum CaughtUp {
 impl Paced {
     pub(crate) fn new(bench: Bench, speed: f64, advance: Advance, now: Instant) -> Self {
         let origin_ns = bench.time_ns();
-        Self { bench, advance, speed, origin: now, origin_ns }
+        Self { bench, state: None, advance, speed, origin: now, origin_ns }
+    }
+
+    /// Writes what the EEPROMs took to their files.
+    pub(crate) fn save(&mut self) -> Result<(), StateError> {
+        self.state.as_mut().map_or(Ok(()), |state| state.save(&mut self.bench))
     }
 
     /// Runs the bench towards the present, for a slice of time at most.
     pub(crate) fn catch_up(&mut self, now: Instant) -> CaughtUp {
         let target_ns = self.virtual_ns(now);
         while target_ns.saturating_sub(self.bench.time_ns()) >= TICK_NS {
-            let look_ns = self.bench.time_ns().saturating_add(TICKS_PER_LOOK * TICK_NS);
+            let look_ns = self.bench.time_ns().saturating_add(self.ticks_to_look() * TICK_NS);
             (self.advance)(&mut self.bench, target_ns.min(look_ns));
             if now.elapsed() > SLICE {
                 return self.unfinished(now, target_ns);
             }
         }
         CaughtUp::Yes
+    }
+
+    /// Control periods until the next look at the clock: the fewer the more modules move.
+    fn ticks_to_look(&self) -> u64 {
+        let modules = if self.bench.is_at_rest() { 1 } else { self.bench.modules().count().max(1) };
+        u64::try_from(TICKS_PER_LOOK / modules).unwrap_or(1).max(1)
     }
 
     /// Slips when too far behind.

@@ -12,6 +12,7 @@ use crate::pacer::Advance;
 #[cfg(unix)]
 use crate::protocol::Plain;
 use crate::shared::{Notice, Shared};
+use crate::state::{State, StateError, Wear};
 use crate::tcp::Tcp;
 
 /// How often virtual time is brought up to date when nobody asks.
@@ -98,6 +99,20 @@ impl Server {
         }
     }
 
+    /// From now on the modules' EEPROMs are kept there; the bench was made with what [`State::open`] gave.
+    pub fn keep(&mut self, state: State) {
+        self.shared.keep(state);
+    }
+
+    /// Stops, if it has not yet, with everything stored on the disk; and says how worn the EEPROMs are that are kept.
+    ///
+    /// # Errors
+    /// [`StateError`] when something stored could not be written.
+    pub fn finish(&mut self) -> Result<Vec<Wear>, StateError> {
+        self.stop();
+        self.shared.finish_state()
+    }
+
     /// Listens at `address`, `host:port`; port 0 picks a free one. Returns where it really listens.
     ///
     /// # Errors
@@ -150,15 +165,20 @@ impl Server {
     }
 }
 
-impl Drop for Server {
-    fn drop(&mut self) {
+impl Server {
+    fn stop(&mut self) {
+        let Some(pacer) = self.pacer.take() else { return };
         self.shared.stop();
         self.tcp.iter().for_each(Tcp::close);
         #[cfg(unix)]
         self.ptys.clear();
-        if let Some(pacer) = self.pacer.take() {
-            // A pacer that panicked has said so already.
-            let _ = pacer.join();
-        }
+        // A pacer that panicked has said so already.
+        let _ = pacer.join();
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop();
     }
 }

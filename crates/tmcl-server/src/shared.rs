@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use virtual_bench::{Bench, PORTS, PortId, Wiring};
 
 use crate::pacer::{Advance, CaughtUp, Paced};
+use crate::state::{State, StateError, Wear};
 
 /// Something a user may want to hear about.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,6 +19,8 @@ pub enum Notice {
     Refused(String),
     /// A client came and could not be served; the next one may be.
     ClientFailed(String),
+    /// What a module stored could not be written to its file. It is tried again.
+    NotKept(String),
 }
 
 /// The bench behind its mutex, and who is connected.
@@ -66,8 +69,9 @@ impl Shared {
         let line = PortId::ALL.into_iter().find(|line| clients[line.index()].is_none())?;
         clients[line.index()] = Some(wake);
         let bench = &mut lock(&self.paced).bench;
-        // Where bytes take their time, the rate says how long silence may last; elsewhere the client's clock does.
-        if !matches!(wiring, Wiring::Rs485 { baud: Some(_) }) {
+        // Where bytes take their time, the rate says how long silence may last; where they do not, the client's clock does.
+        // Frames need neither.
+        if matches!(wiring, Wiring::Usb | Wiring::Rs485 { baud: None }) {
             bench.set_silence_ns(self.silence_ns);
         }
         bench.wire(line, wiring);
@@ -85,12 +89,38 @@ impl Shared {
         let mut paced = lock(&self.paced);
         // A command meets the module as it is now, not as it was at the pacer's last tick.
         paced.catch_up(Instant::now());
-        with(&mut paced.bench)
+        let done = with(&mut paced.bench);
+        self.save(&mut paced);
+        done
     }
 
     /// What there is to read unasked is taken.
     pub(crate) fn drain(&self, take: impl FnOnce(&mut Bench)) {
-        take(&mut lock(&self.paced).bench);
+        let mut paced = lock(&self.paced);
+        take(&mut paced.bench);
+        self.save(&mut paced);
+    }
+
+    /// From now on the EEPROMs are kept there.
+    pub(crate) fn keep(&self, state: State) {
+        let mut paced = lock(&self.paced);
+        paced.state = Some(state);
+        self.save(&mut paced);
+    }
+
+    /// Files know what was stored before anybody is told that it was.
+    fn save(&self, paced: &mut Paced) {
+        if let Err(error) = paced.save() {
+            self.notify(Notice::NotKept(error.to_string()));
+        }
+    }
+
+    /// Everything stored is on the disk; and how worn the EEPROMs are.
+    pub(crate) fn finish_state(&self) -> Result<Vec<Wear>, StateError> {
+        let Paced { bench, state, .. } = &mut *lock(&self.paced);
+        let Some(state) = state else { return Ok(Vec::new()) };
+        state.finish(bench)?;
+        Ok(state.wear(bench))
     }
 
     /// Brings virtual time up to now, and wakes the clients that have something to read.
@@ -98,6 +128,7 @@ impl Shared {
         loop {
             let mut paced = lock(&self.paced);
             let caught_up = paced.catch_up(Instant::now());
+            self.save(&mut paced);
             let speaking = PortId::ALL.map(|line| paced.bench.has_answer(line));
             drop(paced);
             self.wake(speaking);

@@ -141,3 +141,102 @@ fn bits_per_second(btr0: u8, btr1: u8) -> u32 {
     let quanta = 3 + u32::from(btr1 & 0x0F) + u32::from((btr1 >> 4) & 0x07);
     8_000_000 / (prescaler * quanta)
 }
+
+#[cfg(test)]
+mod tests {
+    use virtual_bench::BenchConfig;
+    use virtual_bench::ModuleKind::Tmcm1311;
+
+    use super::*;
+
+    /// GGP 66 of the module with identifier 1, and its reply.
+    const ASK: &str = "t00170A420000000000\r";
+    const REPLY: &str = "t00270164 0A00000001\r";
+
+    /// An adapter between its client and a module.
+    struct Client {
+        adapter: Adapter,
+        bench: Bench,
+        line: PortId,
+    }
+
+    impl Client {
+        fn new() -> Self {
+            let adapter = Adapter::new();
+            let mut bench = Bench::new(&BenchConfig::default_for(Tmcm1311));
+            let [line, ..] = PortId::ALL;
+            bench.wire(line, adapter.wiring());
+            Self { adapter, bench, line }
+        }
+
+        fn say(&mut self, text: &str) -> String {
+            let mut out = Vec::new();
+            let taken = self.adapter.hear(text.as_bytes(), &mut self.bench, self.line, &mut out);
+            assert_eq!(taken, text.len());
+            String::from_utf8(out).expect("slcan is text")
+        }
+    }
+
+    fn answered() -> String {
+        format!("z\r{}", REPLY.replace(' ', ""))
+    }
+
+    #[test]
+    fn a_closed_channel_passes_nothing() {
+        let mut client = Client::new();
+        assert_eq!(client.say(ASK), "\x07");
+        assert_eq!(client.say("O\r"), "\r");
+        assert_eq!(client.say(ASK), answered());
+        assert_eq!(client.say("C\rC\r"), "\r\r");
+        assert_eq!(client.say(ASK), "\x07");
+        assert_eq!(client.say("L\r"), "\r");
+        assert_eq!(client.say(ASK), "\x07");
+    }
+
+    #[test]
+    fn settings_are_made_while_it_is_closed() {
+        let mut client = Client::new();
+        assert_eq!(client.say("S6\rO\r"), "\r\r");
+        for setting in ["S8", "s0014", "Z1", "M00000000", "mFFFFFFFF", "O", "L"] {
+            assert_eq!(client.say(&format!("{setting}\r")), "\x07", "{setting}");
+        }
+        assert_eq!(client.say(ASK), "z\r", "the module is at 1 Mbit/s");
+        // The two ways to say 1 Mbit/s.
+        for rate in ["S8", "s0014"] {
+            assert_eq!(client.say(&format!("C\r{rate}\rO\r")), "\r\r\r");
+            assert_eq!(client.say(ASK), answered());
+        }
+        assert_eq!(client.say("C\rM12345678\rmFFFFFFFF\rm00000000\r"), "\r\r\r\x07", "it filters nothing");
+    }
+
+    #[test]
+    fn what_passed_while_it_was_closed_was_not_heard() {
+        let mut client = Client::new();
+        assert_eq!(client.say("O\r"), "\r");
+        // 138, with the target already reached: two replies.
+        let event = "t0017 8A000000000000\r".replace(' ', "");
+        assert_eq!(client.say(&event).matches('t').count(), 2);
+        client.bench.send_frame(client.line, &Frame::new(1, &[10, 66, 0, 0, 0, 0, 0]).expect("seven bytes"));
+        assert_eq!(client.say("C\rO\r"), format!("\r{}\r", ""));
+    }
+
+    #[test]
+    fn a_time_stamp_counts_to_a_minute() {
+        let mut client = Client::new();
+        assert_eq!(client.say("Z1\rO\r"), "\r\r");
+        client.bench.advance_to(59_999_000_000);
+        let stamped = |time: &str| answered().replace("01\r", &format!("01{time}\r"));
+        assert_eq!(client.say(ASK), stamped("EA5F"));
+        client.bench.advance_to(60_002_000_000);
+        assert_eq!(client.say(ASK), stamped("0002"));
+    }
+
+    #[test]
+    fn registers_mean_bit_rates() {
+        let known =
+            [(0x00, 0x14, 1_000_000), (0x00, 0x1C, 500_000), (0x01, 0x1C, 250_000), (0x03, 0x1C, 125_000)];
+        for (btr0, btr1, rate) in known {
+            assert_eq!(bits_per_second(btr0, btr1), rate);
+        }
+    }
+}

@@ -11,6 +11,7 @@ use crate::{Reply, Request};
 /// The data of a CAN frame: up to eight bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Data {
+    /// Zero behind the end, so that equal data are equal.
     bytes: [u8; 8],
     length: usize,
 }
@@ -129,11 +130,11 @@ pub fn encode_instruction(instruction: [u8; 7], length: Length) -> Data {
 
 fn sealed(bytes: [u8; 7], length: Length) -> Data {
     let [a, b, c, d, e, f, g] = bytes;
-    let length = match length {
-        Length::Seven => 7,
-        Length::Eight => 8,
+    let (sum, length) = match length {
+        Length::Seven => (0, 7),
+        Length::Eight => (checksum(&bytes), 8),
     };
-    Data { bytes: [a, b, c, d, e, f, g, checksum(&bytes)], length }
+    Data { bytes: [a, b, c, d, e, f, g, sum], length }
 }
 
 /// The reply to command 136, type 0: all eight characters (TMCM-1311 §5.7.39).
@@ -186,6 +187,7 @@ mod tests {
             for length in [Length::Seven, Length::Eight] {
                 let data = encode_reply(module, reply, length);
                 prop_assert_eq!(decode_reply(data.as_slice()), Ok((module, reply)));
+                prop_assert_eq!(Data::new(data.as_slice()), Some(data));
             }
         }
 

@@ -78,6 +78,8 @@ pub(crate) enum Command {
     Status(application::Options),
     /// Set a module back to what it was when it came
     FactoryReset(FactoryReset),
+    /// Show what virtual modules keep in a --state folder
+    State(State),
     /// List the modules
     Modules(Modules),
     /// List a module's axis and global parameters
@@ -136,6 +138,9 @@ pub(crate) struct Run {
     /// Expect this of the run; may be given several times
     #[arg(long, value_name = "EXPECTATION")]
     pub(crate) expect: Vec<String>,
+    /// Keep what the modules store in this folder, in a file NAME.eeprom each, and begin with what is there (docs/state.md)
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) recording: Recording,
     #[command(flatten)]
@@ -306,8 +311,23 @@ pub(crate) struct Serve {
     /// How fast virtual time runs, 1 being real time
     #[arg(long, value_name = "FACTOR", default_value = "1", allow_negative_numbers = true, value_parser = speed)]
     pub(crate) speed: f64,
+    /// Keep what the modules store in this folder, in a file NAME.eeprom each, and begin with what is there (docs/state.md)
+    #[arg(long, value_name = "DIR")]
+    pub(crate) state: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) recording: Recording,
+}
+
+/// `tmcl state`.
+#[derive(Args)]
+#[command(after_help = "Exits with 1 if an image is damaged. What stands where: docs/state.md.")]
+pub(crate) struct State {
+    /// The folder that --state named, or one image in it
+    #[arg(value_name = "DIR")]
+    pub(crate) path: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// `tmcl modules`.

@@ -20,6 +20,7 @@ mod plot;
 mod print;
 mod program;
 mod recording;
+mod state;
 mod virtual_link;
 
 use std::process::ExitCode;
@@ -51,6 +52,7 @@ fn main() -> ExitCode {
         Command::Status(options) => commands::application::status(&options),
         Command::FactoryReset(options) => commands::factory_reset::run(&options),
         Command::Serve(options) => commands::serve::run(&options),
+        Command::State(options) => commands::state::run(&options),
         Command::Modules(options) => commands::modules::run(&options),
         Command::Params(options) => commands::params::run(&options),
         Command::Commands(options) => commands::commands::run(&options),

@@ -5,7 +5,7 @@ mod lines;
 use module_firmware::tmcm_1076::Tmcm1076;
 use module_firmware::tmcm_1311::Tmcm1311;
 use module_firmware::tmcm_1640::Tmcm1640;
-use module_firmware::{PORTS, PortId, RecordKey, Storage, Vm};
+use module_firmware::{PORTS, PortId, Vm};
 use tmcl_tables::ModuleSpec;
 
 use crate::TICK_NS;
@@ -113,12 +113,21 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The bench that a file describes, switched on at time 0.
+    /// The bench that a file describes, switched on at time 0. The modules come from the factory.
     #[must_use]
     pub fn new(config: &BenchConfig) -> Self {
+        Self::with_eeproms(config, |_| None)
+    }
+
+    /// The same, with modules whose EEPROM holds something; `None`, and one of another kind of module, stands for a new one.
+    #[must_use]
+    pub fn with_eeproms(
+        config: &BenchConfig,
+        mut eeprom: impl FnMut(&ModuleConfig) -> Option<Eeprom>,
+    ) -> Self {
         Self {
             time_ns: 0,
-            slots: config.modules.iter().map(|module| slot(module, config)).collect(),
+            slots: config.modules.iter().map(|module| slot(module, config, eeprom(module))).collect(),
             wires: config.wires.clone(),
             events: config.events.clone(),
             next_event: 0,
@@ -352,6 +361,7 @@ impl Bench {
             Quantity::Port(bank, number) => f64::from(module.port(bank, number)),
             Quantity::EncoderCounts => f64::from(module.encoder_counts()),
             Quantity::StepPulses => module.step_pulses() as f64,
+            Quantity::EepromWrites => module.eeprom().writes() as f64,
             Quantity::Physical(index) => module.physical().values().get(index).copied().unwrap_or(0.0),
         }
     }
@@ -366,6 +376,12 @@ impl Bench {
     #[must_use]
     pub fn eeprom(&self, module: ModuleId) -> Option<&Eeprom> {
         self.module(module).map(VirtualModule::eeprom)
+    }
+
+    /// A module's EEPROM, to cut its power or to take its patches. A power cut takes effect at the module with its next byte
+    /// write: it is off then, and says nothing more.
+    pub fn eeprom_mut(&mut self, module: ModuleId) -> Option<&mut Eeprom> {
+        self.module_mut(module).map(VirtualModule::eeprom_mut)
     }
 
     /// The instructions of a module's program that it refused since the bench was made, in the order of addresses.
@@ -388,27 +404,26 @@ impl Bench {
     }
 }
 
-fn slot(config: &ModuleConfig, bench: &BenchConfig) -> Slot {
-    let mut eeprom = Eeprom::default();
-    for (parameter, value) in presets(config, bench.bus.interface) {
-        let (bank, number) = parameter.address();
-        // An EEPROM in memory takes every record.
-        let _ = eeprom.write(RecordKey::Global(bank, number), &value.to_le_bytes());
-    }
+fn slot(config: &ModuleConfig, bench: &BenchConfig, eeprom: Option<Eeprom>) -> Slot {
+    let eeprom = eeprom.filter(|eeprom| eeprom.kind() == config.kind);
+    let eeprom = eeprom.unwrap_or_else(|| Eeprom::new(config.kind));
+    let presets = presets(config, bench.bus.interface);
     let pace = config.instructions_per_tick;
     let module = match config.kind {
         ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(
             StepperBench::new(&parts::stepper(config)),
             eeprom,
+            &presets,
             pace,
         ))),
         ModuleKind::Tmcm1640 => AnyModule::Tmcm1640(Box::new(Module::new(
             BldcBench::new(&parts::brushless(config)),
             eeprom,
+            &presets,
             pace,
         ))),
         ModuleKind::Tmcm1076 => {
-            AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, pace)))
+            AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, &presets, pace)))
         }
     };
     Slot { name: config.name.clone(), kind: config.kind, module, quiet: false }

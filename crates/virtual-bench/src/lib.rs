@@ -8,7 +8,7 @@
 mod bench;
 mod bus;
 pub mod config;
-mod eeprom;
+pub mod eeprom;
 pub mod expect;
 mod kind;
 mod module;
@@ -25,7 +25,9 @@ pub use bus::Wiring;
 pub use config::BenchConfig;
 pub use eeprom::Eeprom;
 pub use kind::{ModuleKind, UnknownModuleKind};
-pub use module_firmware::{PORTS, PortId, ProgramMode, Vm};
+pub use module_firmware::{
+    ERASED, Instruction, PORTS, PortId, ProgramMode, RecordKey, Storage, StorageError, Vm,
+};
 pub use probe::{Probe, ProbeError, Quantity};
 pub use refusals::RefusedInstruction;
 pub use tmcl_wire::can;

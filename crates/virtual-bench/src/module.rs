@@ -1,6 +1,7 @@
 //! One virtual module: firmware, hardware and EEPROM.
 
-use module_firmware::{Axis, Firmware, Line, PORTS, PortId, Vm};
+use module_firmware::{Axis, Firmware, Line, PORTS, PortId, RecordKey, Storage, Vm};
+use tmcl_tables::GlobalParameter;
 use tmcl_wire::can::Frame;
 
 use crate::TICK_NS;
@@ -61,6 +62,8 @@ pub(crate) trait VirtualModule {
     fn physical(&self) -> Physical;
     /// The EEPROM.
     fn eeprom(&self) -> &Eeprom;
+    /// The EEPROM, to cut its power or to take its patches.
+    fn eeprom_mut(&mut self) -> &mut Eeprom;
     /// The instructions of its program that it refused.
     fn refusals(&self) -> &Refusals;
     /// The program's registers, flags and stack.
@@ -84,11 +87,16 @@ pub(crate) struct Module<A: Axis, H> {
 impl<A, H> Module<A, H>
 where
     A: Axis,
-    H: Hardware<Sensed = A::Sensed, Drive = A::Drive>,
+    H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
 {
-    /// A module that is switched on with what its EEPROM holds.
-    pub(crate) fn new(hardware: H, mut eeprom: Eeprom, instructions_per_tick: u16) -> Self {
-        let firmware = Firmware::power_on(&mut eeprom);
+    /// A module that is switched on with what its EEPROM holds, once `presets` are among it.
+    pub(crate) fn new(
+        hardware: H,
+        mut eeprom: Eeprom,
+        presets: &[(GlobalParameter, i32)],
+        instructions_per_tick: u16,
+    ) -> Self {
+        let firmware = power_on_with(&mut eeprom, presets);
         let refusals = Refusals::default();
         let mut module = Self {
             firmware,
@@ -102,6 +110,7 @@ where
             time_ns: 0,
         };
         module.set_up();
+        module.work();
         module
     }
 
@@ -118,13 +127,42 @@ where
 
     /// Lets the firmware finish what it has to do in the background; this EEPROM takes no time. Notes what was refused.
     fn work(&mut self) {
-        while self.firmware.has_background_work() {
+        while self.firmware.has_background_work() && !self.eeprom.is_cut() {
             self.firmware.background(&mut self.eeprom);
+        }
+        if self.powered && self.eeprom.is_cut() {
+            self.fail();
         }
         if let Some(refusal) = self.firmware.take_refusal() {
             self.refusals.add(refusal, self.time_ns);
         }
     }
+
+    /// The power is gone. What the module was about to say is lost; what can be looked at is what would be after power-on.
+    fn fail(&mut self) {
+        self.powered = false;
+        self.hardware.apply(Setting::Power(Power::Off));
+        let mut eeprom = self.eeprom.clone();
+        eeprom.never_cut();
+        eeprom.power_on();
+        self.firmware = Firmware::power_on(&mut eeprom);
+        self.set_up();
+    }
+}
+
+/// The firmware after power-on, with settings of its surroundings in its EEPROM, which is written only where they differ.
+fn power_on_with<A: Axis>(eeprom: &mut Eeprom, presets: &[(GlobalParameter, i32)]) -> Firmware<A> {
+    eeprom.power_on();
+    let firmware = Firmware::power_on(eeprom);
+    let mut differs = false;
+    for (parameter, value) in presets {
+        let (bank, number) = parameter.address();
+        if firmware.peek_global(bank, number) != Some(*value) {
+            // The EEPROM has room for every parameter that is stored.
+            differs |= eeprom.write(RecordKey::Global(bank, number), &value.to_le_bytes()).is_ok();
+        }
+    }
+    if differs { Firmware::power_on(eeprom) } else { firmware }
 }
 
 impl<A, H> VirtualModule for Module<A, H>
@@ -164,7 +202,8 @@ where
             return bytes.len(); // nobody listens
         }
         let taken = bytes.iter().take_while(|byte| {
-            let taken = self.firmware.receive(port, **byte);
+            // The power may fail in the midst of them.
+            let taken = !self.powered || self.firmware.receive(port, **byte);
             self.work();
             taken
         });
@@ -240,15 +279,25 @@ where
         if on == self.powered {
             return;
         }
-        self.powered = on;
-        self.hardware.apply(Setting::Power(if on { Power::On } else { Power::Off }));
-        // Without power it forgets everything but its EEPROM; what it was about to say is lost.
+        if !on {
+            return self.fail();
+        }
+        self.powered = true;
+        self.hardware.apply(Setting::Power(Power::On));
+        // Without power it forgot everything but its EEPROM.
+        self.eeprom.power_on();
         self.firmware = Firmware::power_on(&mut self.eeprom);
         self.set_up();
+        // The power may have failed meanwhile.
+        self.work();
     }
 
     fn apply(&mut self, setting: Setting) {
-        self.hardware.apply(setting);
+        match setting {
+            Setting::EepromCut(Some(writes)) => self.eeprom.cut_after(writes.into()),
+            Setting::EepromCut(None) => self.eeprom.never_cut(),
+            setting => self.hardware.apply(setting),
+        }
     }
 
     fn parameter(&self, number: u8) -> i32 {
@@ -285,6 +334,10 @@ where
 
     fn eeprom(&self) -> &Eeprom {
         &self.eeprom
+    }
+
+    fn eeprom_mut(&mut self) -> &mut Eeprom {
+        &mut self.eeprom
     }
 
     fn refusals(&self) -> &Refusals {

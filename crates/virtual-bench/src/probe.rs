@@ -1,6 +1,6 @@
 //! Names for everything one can look at on a bench: `actual_position`, `tick_timer`, `variable.7`, `output.3`,
-//! `sensed.encoder_counts`, `sensed.step_pulses`, `physical.rotor_turns`; with several modules prefixed by the module's name,
-//! `m1.actual_position`.
+//! `sensed.encoder_counts`, `sensed.step_pulses`, `physical.rotor_turns`, `eeprom.writes`; with several modules prefixed by
+//! the module's name, `m1.actual_position`.
 
 use tmcl_tables::{GlobalParameter, GlobalSpec, ModuleSpec};
 
@@ -35,6 +35,8 @@ pub enum Quantity {
     EncoderCounts,
     /// Pulses at the step/direction connector since the bench was switched on: those to the right less those to the left.
     StepPulses,
+    /// Bytes written to the EEPROM since it was new.
+    EepromWrites,
     /// An entry of [`Physical`].
     Physical(usize),
 }
@@ -68,6 +70,9 @@ const VARIABLES: u8 = 2;
 /// What the sensors count; pulses come to modules for steppers only, and a TMCM-1076 has no encoder.
 const SENSED: [(&str, Quantity); 2] =
     [("sensed.encoder_counts", Quantity::EncoderCounts), ("sensed.step_pulses", Quantity::StepPulses)];
+
+/// The name of [`Quantity::EepromWrites`].
+const EEPROM_WRITES: &str = "eeprom.writes";
 
 /// What a module's sensors count.
 fn sensed(spec: &'static ModuleSpec) -> &'static [(&'static str, Quantity)] {
@@ -123,6 +128,9 @@ fn quantity(name: &str, spec: &'static ModuleSpec) -> Option<Quantity> {
     if let Some((_, sensed)) = sensed(spec).iter().copied().find(|(known, _)| *known == name) {
         return Some(sensed);
     }
+    if name == EEPROM_WRITES {
+        return Some(Quantity::EepromWrites);
+    }
     if let Some(number) = name.strip_prefix("variable.") {
         let number = number.parse().ok()?;
         return spec.global_parameter(VARIABLES, number).map(|_| Quantity::Global(VARIABLES, number));
@@ -163,7 +171,7 @@ fn no_quantity(name: &str, spec: &'static ModuleSpec) -> ProbeError {
             Physical::names_of(family(spec)).map(|(_, name)| format!("physical.{name}")).collect();
         let ids = parameters().filter(|parameter| parameter.access.read).map(|parameter| parameter.id);
         let others = physical.iter().map(String::as_str).chain(sensed(spec).iter().map(|(name, _)| *name));
-        let choices: Vec<_> = ids.chain(others).collect();
+        let choices: Vec<_> = ids.chain(others).chain([EEPROM_WRITES]).collect();
         suggest::nearest(name, &choices)
             .map_or_else(|| all_kinds(spec), |choice| format!("did you mean `{choice}`?"))
     });
@@ -204,7 +212,7 @@ fn all_kinds(spec: &'static ModuleSpec) -> String {
     let ports = ports.iter().filter(|(_, bank)| spec.ports.iter().any(|port| port.bank == *bank));
     let ports: String = ports.map(|(name, _)| *name).collect();
     format!(
-        "there are {parameters}, {coordinates}{ports}{}, and physical.{{{}}}",
+        "there are {parameters}, {coordinates}{ports}`{EEPROM_WRITES}`, {}, and physical.{{{}}}",
         sensed.join(", "),
         physical.join(", ")
     )
@@ -221,6 +229,7 @@ pub(crate) fn unit(quantity: Quantity, spec: &ModuleSpec) -> &'static str {
         Quantity::Port(bank, number) => spec.port(bank, number).map_or("", |port| port.unit),
         Quantity::EncoderCounts => "count",
         Quantity::StepPulses => "pulse",
+        Quantity::EepromWrites => "",
         Quantity::Physical(index) => Physical::NAMES.get(index).map_or("", |(_, unit)| unit),
     }
 }

@@ -31,6 +31,8 @@ impl Surroundings for BldcBench {
                 state.board_temperature_c = board_temperature_c;
             }
             Setting::Power(power) => self.switch(power),
+            // It is the module that has the EEPROM.
+            Setting::EepromCut(_) => {}
             // There is one analogue input, there are no coils, no full steps, and no step/direction connector.
             Setting::AnalogInput { .. }
             | Setting::CoilOpen(_)

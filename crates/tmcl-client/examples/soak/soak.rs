@@ -16,7 +16,22 @@ use crate::model::{Model, PARAMETERS, RESULT, Slot, VARIABLES, number};
 use crate::random::Random;
 
 /// Who is on the bus, at the addresses 1, 2 ….
-const MODULES: [ModuleKind; 2] = [ModuleKind::Tmcm1311, ModuleKind::Tmcm1640];
+const MODULES: [Member; 2] = [
+    Member { kind: ModuleKind::Tmcm1311, values: (20_000, 80_000), turn: 51_200, window: 0 },
+    Member { kind: ModuleKind::Tmcm1640, values: (1000, 3000), turn: 24, window: 10 },
+];
+
+/// A module on the bus.
+#[derive(Clone, Copy)]
+struct Member {
+    kind: ModuleKind,
+    /// What its velocity and its acceleration are set to: the least, and the most.
+    values: (i32, i32),
+    /// A turn of its shaft in steps of its position.
+    turn: i32,
+    /// How far off it may stand.
+    window: u32,
+}
 
 /// The commands in which values of parameters and variables travel.
 const AXIS_COMMANDS: [Command; 2] = [Command::SetAxisParameter, Command::GetAxisParameter];
@@ -45,8 +60,8 @@ pub(crate) struct Soak {
 impl Soak {
     /// Everything as delivered. The same seed is the same day.
     pub(crate) fn new(seed: u64) -> Self {
-        let host = Host::new(SharedBench::with(&MODULES), seed);
-        let models = MODULES.iter().map(|kind| Model::new(kind.spec())).collect();
+        let host = Host::new(SharedBench::with(&MODULES.map(|member| member.kind)), seed);
+        let models = MODULES.iter().map(|member| Model::new(member.kind.spec())).collect();
         let (random, weather_until) = (Random(!seed), Duration::ZERO);
         Self { host, random, models, seed, digest: 0xCBF2_9CE4_8422_2325, weather_until }
     }
@@ -128,7 +143,7 @@ impl Soak {
     }
 
     fn spec(index: usize) -> &'static ModuleSpec {
-        MODULES[index].spec()
+        MODULES[index].kind.spec()
     }
 
     fn any_slot(&mut self, index: usize) -> Slot {
@@ -139,10 +154,10 @@ impl Soak {
     /// A value that no doubled byte makes another of which the checksum sees nothing.
     fn any_value(&mut self, index: usize, slot: Slot) -> i32 {
         loop {
-            let value = match (slot, MODULES[index]) {
-                (Slot::Variable(_), _) => self.random.next() as i32,
-                (Slot::Axis(_), ModuleKind::Tmcm1311) => self.random.between(20_000, 80_000),
-                (Slot::Axis(_), ModuleKind::Tmcm1640) => self.random.between(1000, 3000),
+            let (least, most) = MODULES[index].values;
+            let value = match slot {
+                Slot::Variable(_) => self.random.next() as i32,
+                Slot::Axis(_) => self.random.between(least, most),
             };
             let address = u8::try_from(index + 1).expect("a few");
             let is_safe = match slot {
@@ -271,10 +286,7 @@ impl Soak {
     /// To a place within a turn, and there; then the motor rests.
     fn travel(&mut self, index: usize) -> Result<(), String> {
         let spec = Self::spec(index);
-        let turn = match MODULES[index] {
-            ModuleKind::Tmcm1311 => 51_200,
-            ModuleKind::Tmcm1640 => 24,
-        };
+        let turn = MODULES[index].turn;
         let target = loop {
             let target = self.random.between(-turn, turn);
             let address = u8::try_from(index + 1).expect("a few");
@@ -299,11 +311,7 @@ impl Soak {
     /// Both position and target are what was asked for, and the motor is stopped.
     fn arrived(&mut self, index: usize, target: i32) -> Result<(), String> {
         let spec = Self::spec(index);
-        let window = match MODULES[index] {
-            ModuleKind::Tmcm1311 => 0,
-            ModuleKind::Tmcm1640 => 10,
-        };
-        for (id, window) in [("target_position", 0), ("actual_position", window)] {
+        for (id, window) in [("target_position", 0), ("actual_position", MODULES[index].window)] {
             let found = self.host.call(|client| client.get_axis_parameter(number(spec, id)))?;
             if found.is_some_and(|found| found.abs_diff(target) > window) {
                 return Err(format!("module {index} was sent to {target}, and its {id} is {found:?}"));

@@ -115,6 +115,20 @@ fn a_parameter_may_be_read_again_where_that_does_no_harm() {
     assert_eq!(client.get_axis_parameter(132).expect("it answers"), value_of(132));
 }
 
+/// What is known of one module says nothing of another on the same bus.
+#[test]
+fn every_address_has_tables_of_its_own() {
+    let mut client = client([]);
+    client.set_module(Some(&tmcl_tables::tmcm_1640::SPEC));
+    client.settings_mut().module_address = 5;
+    client.link.address = 5;
+    client.link.faults.push_back(Fault::LoseReply);
+    assert_eq!(client.module(), None);
+    assert!(matches!(client.get_axis_parameter(132), Err(ClientError::NoReply { attempts: 1, .. })));
+    client.settings_mut().module_address = 1;
+    assert_eq!(client.module().map(|spec| spec.number), Some(1640));
+}
+
 #[test]
 fn silence_is_reported_with_what_was_heard() {
     let heard = |faults: Vec<Fault>, module: FakeModule| {

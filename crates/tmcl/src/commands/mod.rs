@@ -28,6 +28,7 @@ pub(crate) mod scan;
 pub(crate) mod serve;
 pub(crate) mod set;
 pub(crate) mod shell;
+pub(crate) mod state;
 pub(crate) mod store;
 pub(crate) mod upload;
 pub(crate) mod watch;

@@ -9,9 +9,10 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use tmcl_client::{Client, ClientError, Settings};
 use tmcl_lang::{Assembly, Severity};
-use tmcl_tables::ModuleSpec;
+use tmcl_server::State;
+use tmcl_tables::{GlobalParameter, ModuleSpec};
 use virtual_bench::expect::{Expectation, Monitor, Outcome as Verdict};
-use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, ProgramMode};
+use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, Probe, ProgramMode, Quantity};
 
 use super::asm::counted;
 use crate::arguments::Run;
@@ -19,7 +20,7 @@ use crate::exit::{Code, Failure, Outcome};
 use crate::program::{Checked, diagnostics, files};
 use crate::recording::Recorder;
 use crate::virtual_link::VirtualLink;
-use crate::{bench_file, module_name, print};
+use crate::{bench_file, module_name, print, state};
 use report::{Ended, Report};
 
 const MS: u64 = 1_000_000;
@@ -58,9 +59,12 @@ pub(crate) fn run(options: &Run) -> Outcome {
         return Err(Failure::new(Code::Usage, message).into());
     }
     let mut session = Session::new(&config, &checked.assembly, options)?;
-    session.start(&config)?;
+    let accepted = session.start();
+    // A program that was refused halfway is there by half.
+    session.save()?;
+    accepted?;
     let started = Instant::now();
-    let ended = session.play();
+    let ended = session.play()?;
     let elapsed = started.elapsed();
     session.finish(options)?;
     let report = Report::new(&session.bench, &checked, &session.monitor, ended, elapsed);
@@ -100,6 +104,7 @@ fn virtual_kind(module: &'static ModuleSpec) -> Result<ModuleKind, Failure> {
 /// A program on its bench, and those who look on.
 struct Session<'a> {
     bench: Bench,
+    state: Option<State>,
     assembly: &'a Assembly,
     monitor: Monitor,
     looks_on: LooksOn,
@@ -110,7 +115,7 @@ struct Session<'a> {
 
 impl<'a> Session<'a> {
     fn new(config: &BenchConfig, assembly: &'a Assembly, options: &Run) -> Result<Self, Failure> {
-        let bench = Bench::new(config);
+        let (bench, state) = state::bench(config, options.state.as_deref())?;
         let expectations = options.expect.iter().map(|text| {
             Expectation::parse(text, &bench)
                 .map_err(|error| Failure::new(Code::Usage, format!("in --expect: {}", error.report(text))))
@@ -128,13 +133,16 @@ impl<'a> Session<'a> {
         let progress = ProgressBar::new((options.duration / MS).max(1));
         let style = ProgressStyle::with_template("{bar:30} {pos}/{len} ms of virtual time  {wide_msg}");
         progress.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Ok(Self { bench, assembly, monitor, looks_on, recorder, progress, end_ns: options.duration })
+        Ok(Self { bench, state, assembly, monitor, looks_on, recorder, progress, end_ns: options.duration })
     }
 
     /// 132, the instructions, 133, 131, 129.
-    fn start(&mut self, config: &BenchConfig) -> Result<(), Failure> {
-        let module_address = config.modules.first().and_then(|module| module.address).unwrap_or(1);
-        let settings = Settings { module_address, ..Settings::default() };
+    fn start(&mut self) -> Result<(), Failure> {
+        let settings = Settings {
+            module_address: self.byte(GlobalParameter::SerialAddress),
+            host_address: self.byte(GlobalParameter::HostAddress),
+            ..Settings::default()
+        };
         let mut client = Client::with_settings(VirtualLink::new(&mut self.bench, MODULE), settings);
         let program: Vec<_> =
             self.assembly.program.instructions.iter().map(|instruction| instruction.to_bytes()).collect();
@@ -144,14 +152,27 @@ impl<'a> Session<'a> {
         client.run(None).map_err(refused)
     }
 
+    /// A setting of the module, which its EEPROM may hold.
+    fn byte(&self, parameter: GlobalParameter) -> u8 {
+        let (bank, number) = parameter.address();
+        self.bench.read(Probe { module: MODULE, quantity: Quantity::Global(bank, number) }) as u8
+    }
+
+    /// What the modules stored until now is in their files.
+    fn save(&mut self) -> Result<(), Failure> {
+        let Self { bench, state, .. } = self;
+        state.as_mut().map_or(Ok(()), |state| state.save(bench)).map_err(state::failure)
+    }
+
     /// Lets virtual time pass until there is nothing more to see.
-    fn play(&mut self) -> Ended {
+    fn play(&mut self) -> Result<Ended, Failure> {
         loop {
+            self.save()?;
             if let Some(recorder) = &mut self.recorder {
                 recorder.sample_if_due(&self.bench);
             }
             if let Some(ended) = self.ended() {
-                return ended;
+                return Ok(ended);
             }
             self.show_progress();
             let next_ns = self.next_look_ns();
@@ -197,6 +218,7 @@ impl<'a> Session<'a> {
     fn finish(&mut self, options: &Run) -> Result<(), Failure> {
         self.progress.finish_and_clear();
         self.monitor.finish(&self.bench);
+        self.save()?;
         let Some(recorder) = &mut self.recorder else { return Ok(()) };
         let module = self.assembly.program.module.name;
         recorder.finish(&options.recording, &format!("{} on the {module}", options.file.display()))?;

@@ -13,8 +13,8 @@ use virtual_bench::{Bench, PORTS};
 use crate::arguments::{Baud, Serve};
 use crate::bench_file;
 use crate::exit::{Code, Failure, Outcome};
-use crate::print;
 use crate::recording::Recorder;
+use crate::{print, state};
 use advice::Advice;
 use wiring::Lines;
 
@@ -29,8 +29,8 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     let mut config = bench_file::load_several(&options.modules, options.bench.as_deref())?;
     let lines = Lines::of(options, &config)?;
     config.bus.interface = lines.interface();
-    let advice = Advice::of(&config);
-    let bench = Bench::new(&config);
+    let (bench, state) = state::bench(&config, options.state.as_deref())?;
+    let advice = Advice::of(&config, &bench);
     let follows_terminal = options.baud == Some(Baud::Auto);
     lines.warn(&bench, &config, follows_terminal);
     let recording = &options.recording;
@@ -44,10 +44,17 @@ pub(crate) fn run(options: &Serve) -> Outcome {
     .map_err(|error| Failure::new(Code::Connection, format!("cannot wait for signals: {error}")))?;
     let settings = Settings { speed: options.speed, serial: lines.serial, follows_terminal };
     let mut server = Server::start_with(bench, settings, advance(recorder.clone()), say);
+    if let Some(state) = state {
+        server.keep(state);
+    }
     listen(&mut server, options, lines, &advice)?;
     // An error would mean that the handler is gone, and with it the only way to be told.
     let _ = stopped.recv();
+    let wear = server.finish().map_err(state::failure);
     drop(server);
+    if let Some(folder) = &options.state {
+        state::report_wear(&wear?, folder);
+    }
     if let Some(recorder) = recorder {
         recorder.lock().unwrap_or_else(PoisonError::into_inner).finish(recording, advice.first)?;
     }
@@ -128,6 +135,9 @@ fn say(notice: Notice) {
             )
         }
         Notice::Refused(peer) => format!("turned {peer} away: all {PORTS} ports of the module are in use"),
+        Notice::NotKept(error) => {
+            format!("what is stored is not kept for now, and lost if this goes on to the end: {error}")
+        }
         Notice::ClientFailed(error) => format!("a client could not be served: {error}"),
     });
 }

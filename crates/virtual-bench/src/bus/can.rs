@@ -1,8 +1,8 @@
 //! A CAN bus: frames that reach everybody at once.
 
-use std::collections::VecDeque;
-
 use tmcl_wire::can::Frame;
+
+use super::heard::Heard;
 
 /// Modules by their places, each with its port on the bus.
 pub(crate) trait CanStations {
@@ -21,12 +21,12 @@ pub(crate) trait CanStations {
 pub(crate) struct CanBus {
     bit_rate: u32,
     modules_hear_replies: bool,
-    heard: VecDeque<Frame>,
+    heard: Heard<Frame>,
 }
 
 impl CanBus {
     pub(crate) fn new(bit_rate: u32, modules_hear_replies: bool) -> Self {
-        Self { bit_rate, modules_hear_replies, heard: VecDeque::new() }
+        Self { bit_rate, modules_hear_replies, heard: Heard::new() }
     }
 
     pub(crate) fn set_bit_rate(&mut self, bit_rate: u32) {
@@ -55,7 +55,7 @@ impl CanBus {
         }
         frames.sort_by_key(|(_, frame)| frame.id);
         for (sender, frame) in &frames {
-            self.heard.push_back(*frame);
+            self.heard.push(*frame);
             if self.modules_hear_replies {
                 let others = (0..stations.count()).filter(|place| place != sender);
                 others.for_each(|place| self.give(place, frame, stations));
@@ -66,7 +66,7 @@ impl CanBus {
 
     /// The next frame for the host.
     pub(crate) fn take(&mut self) -> Option<Frame> {
-        self.heard.pop_front()
+        self.heard.pop()
     }
 
     pub(crate) fn has_heard(&self) -> bool {

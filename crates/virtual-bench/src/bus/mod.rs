@@ -6,6 +6,7 @@
 //! This module must never know what a byte or a frame means.
 
 mod can;
+mod heard;
 mod serial;
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::heard::Heard;
 use super::wire::{SPOILED, Wire};
 
 /// Modules by their places, each with its port on the bus.
@@ -30,7 +31,7 @@ pub(crate) struct SerialBus {
     /// What the host has yet to send.
     waiting: VecDeque<u8>,
     /// What the host has yet to take.
-    heard: VecDeque<u8>,
+    heard: Heard<u8>,
 }
 
 impl SerialBus {
@@ -39,7 +40,7 @@ impl SerialBus {
             modules_hear_replies,
             wire: baud.map(|baud| Wire::new(baud, modules_hear_replies)),
             waiting: VecDeque::new(),
-            heard: VecDeque::new(),
+            heard: Heard::new(),
         }
     }
 
@@ -80,7 +81,7 @@ impl SerialBus {
 
     /// Appends what the host heard to `out`.
     pub(crate) fn take(&mut self, out: &mut Vec<u8>) {
-        out.extend(self.heard.drain(..));
+        out.extend(self.heard.drain());
     }
 
     pub(crate) fn has_heard(&self) -> bool {
@@ -118,7 +119,7 @@ impl SerialBus {
                 bytes.iter().for_each(|byte| stations.give(place, *byte));
             }
         }
-        self.heard.extend(bytes);
+        bytes.into_iter().for_each(|byte| self.heard.push(byte));
         true
     }
 }

@@ -6,6 +6,7 @@
 
 use std::collections::VecDeque;
 
+use super::heard::Heard;
 use super::serial::SerialStations;
 
 /// What is heard of bytes that spoil each other (decision): nine of them have a wrong checksum.
@@ -111,7 +112,7 @@ impl Wire {
         now_ns: u64,
         spoke: bool,
         waiting: &mut VecDeque<u8>,
-        heard: &mut VecDeque<u8>,
+        heard: &mut Heard<u8>,
         stations: &mut impl SerialStations,
     ) -> bool {
         let mut happened = false;
@@ -139,7 +140,7 @@ impl Wire {
     fn land(
         &mut self,
         end_ns: u64,
-        heard: &mut VecDeque<u8>,
+        heard: &mut Heard<u8>,
         stations: &mut impl SerialStations,
     ) -> Vec<Flight> {
         let (landed, flying): (Vec<_>, Vec<_>) =
@@ -154,7 +155,7 @@ impl Wire {
             let baud = flight.pace.baud;
             let is_reply = flight.talker != Talker::Host;
             if is_reply {
-                heard.push_back(if baud == self.baud { byte } else { SPOILED });
+                heard.push(if baud == self.baud { byte } else { SPOILED });
             }
             if is_reply && !self.modules_hear_replies {
                 continue;

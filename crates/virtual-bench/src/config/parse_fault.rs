@@ -44,6 +44,10 @@ pub(super) fn parse_fault(
         "switch_left" => contact(module, SwitchName::Left, name, value),
         "switch_right" => contact(module, SwitchName::Right, name, value),
         "switch_home" => contact(module, SwitchName::Home, name, value),
+        "eeprom_cut" if value == SettingValue::Text("none") => Ok(Setting::EepromCut(None)),
+        "eeprom_cut" => whole(name, value, 0..=u32::MAX)
+            .map(|writes| Setting::EepromCut(Some(writes)))
+            .map_err(|error| SettingError { help: Some("or \"none\"".to_owned()), ..error }),
         "board_temperature_c" => match value {
             SettingValue::Text("none") => Ok(Setting::BoardTemperatureC(None)),
             SettingValue::Text(_) => Err(SettingError::value(format!("{name} must be a number or \"none\""))),

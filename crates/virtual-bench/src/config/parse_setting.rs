@@ -19,7 +19,7 @@ const SETTING_ROOTS: [&str; 8] =
     ["ain", "fault", "input", "load", "power", "step_dir", "supply", "temperature_c"];
 
 /// Words that other names in the same namespace begin with.
-const SIGNAL_ROOTS: [&str; 3] = ["output", "physical", "sensed"];
+const SIGNAL_ROOTS: [&str; 4] = ["eeprom", "output", "physical", "sensed"];
 
 /// Whether names of signals or settings begin with a word, so that no module can be called so.
 pub(super) fn is_reserved(word: &str) -> bool {
@@ -27,7 +27,7 @@ pub(super) fn is_reserved(word: &str) -> bool {
 }
 
 /// What may be set; `N` stands for a number.
-pub const SETTINGS: [&str; 25] = [
+pub const SETTINGS: [&str; 26] = [
     "load.torque_nm",
     "load.inertia_kgm2",
     "load.friction_nm",
@@ -52,6 +52,7 @@ pub const SETTINGS: [&str; 25] = [
     "fault.switch_home",
     "fault.board_temperature_c",
     "fault.dropped_steps",
+    "fault.eeprom_cut",
     "power",
 ];
 

@@ -149,6 +149,7 @@ impl<'t, 'e> Section<'t, 'e> {
     /// Complains about every key nobody asked for.
     pub(super) fn finish(mut self) {
         self.known.sort_unstable();
+        self.known.dedup();
         for (key, _) in self.table {
             let name: &str = key.get_ref();
             if !self.known.contains(&name) {

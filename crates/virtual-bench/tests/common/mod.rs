@@ -17,7 +17,7 @@ use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::serial::{self, DATAGRAM_LENGTH};
 use tmcl_wire::{Reply, Request};
 use virtual_bench::config::{SettingValue, parse_setting};
-use virtual_bench::{Bench, BenchConfig, ModuleId, ModuleKind, Physical, PortId, TICK_NS, config};
+use virtual_bench::{Bench, BenchConfig, Eeprom, ModuleId, ModuleKind, Physical, PortId, TICK_NS, config};
 
 /// The bank of the user variables (§10.3).
 pub(crate) const VARIABLES: u8 = 2;
@@ -47,6 +47,20 @@ impl Module {
     /// A module as delivered: address 1, host 2 (decisions 2a.20).
     pub(crate) fn new() -> Self {
         Self::with(BenchConfig::default_for(ModuleKind::Tmcm1311))
+    }
+
+    /// A module of a kind that has what an image of an EEPROM holds, and otherwise nothing of the module it was in.
+    #[track_caller]
+    pub(crate) fn with_image(kind: ModuleKind, image: &[u8]) -> Self {
+        let config = BenchConfig::default_for(kind);
+        let eeprom = Eeprom::from_image(image).expect("an intact image");
+        let bench = Bench::with_eeproms(&config, |_| Some(eeprom.clone()));
+        Self { bench, config, port: PortId::ALL[0], address: 1, host: 2 }
+    }
+
+    /// What is left of it when the process ends.
+    pub(crate) fn image(&self) -> Vec<u8> {
+        self.bench.eeprom(MODULE).expect("an EEPROM").to_image()
     }
 
     /// The first module of the bench that a bench file describes.

@@ -38,6 +38,12 @@ impl StepDriver {
         Self::with("")
     }
 
+    /// On the bench that a bench file describes.
+    #[track_caller]
+    pub(crate) fn on(bench_file: &str) -> Self {
+        Self(Module::on(bench_file))
+    }
+
     /// With more lines of its bench file.
     pub(crate) fn with(lines: &str) -> Self {
         Self(Module::on(&format!("[[module]]\nkind = \"tmcm-1076\"\n{lines}")))

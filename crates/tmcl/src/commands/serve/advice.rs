@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use tmcl_tables::GlobalParameter;
-use virtual_bench::{BenchConfig, ModuleKind};
+use virtual_bench::config::Interface;
+use virtual_bench::{Bench, BenchConfig, ModuleKind, Probe, Quantity};
 
 /// Modules that are shown; who has more knows how it goes on.
 const SHOWN: usize = 8;
@@ -27,13 +28,16 @@ pub(super) struct Advice {
 }
 
 impl Advice {
-    pub(super) fn of(config: &BenchConfig) -> Self {
+    /// For the modules as they are: an EEPROM may hold an address.
+    pub(super) fn of(config: &BenchConfig, bench: &Bench) -> Self {
         let first = config.modules.first();
         let first = first.map_or(tmcl_tables::tmcm_1311::SPEC.name, |module| module.kind.spec().name);
-        let (bank, number) = GlobalParameter::SerialAddress.address();
-        let modules = config.modules.iter().filter_map(|module| {
-            let spec = module.kind.spec();
-            let factory = spec.global_parameter(bank, number).map_or(1, |entry| entry.parameter.default);
+        let address = match config.bus.interface {
+            Some(Interface::Can) => GlobalParameter::CanId,
+            Some(Interface::Rs485) | None => GlobalParameter::SerialAddress,
+        };
+        let (bank, number) = address.address();
+        let modules = config.modules.iter().zip(bench.modules()).filter_map(|(module, id)| {
             let motion = match module.kind {
                 ModuleKind::Tmcm1311 => "move_to(51200)",
                 ModuleKind::Tmcm1640 => "rotate(1000)",
@@ -41,9 +45,9 @@ impl Advice {
                 ModuleKind::Tmcm1076 => return None,
             };
             Some(Module {
-                class: spec.name.replace('-', ""),
+                class: module.kind.spec().name.replace('-', ""),
                 variable: module.name.replace('-', "_"),
-                address: module.address.map_or(factory, i64::from),
+                address: bench.read(Probe { module: id, quantity: Quantity::Global(bank, number) }) as i64,
                 motion,
             })
         });

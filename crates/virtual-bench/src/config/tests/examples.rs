@@ -57,6 +57,14 @@ fn the_pulses_come_back_by_a_turn() {
     assert_eq!(bench.events[1].settings, [(0, Setting::StepEnable(false))]);
 }
 
+#[test]
+fn the_bus_has_no_module_at_its_hosts_address() {
+    let bench = bench(example!("bus.toml"));
+    let modules = bench.modules.iter().map(|module| (module.name.as_str(), module.address));
+    assert_eq!(modules.collect::<Vec<_>>(), [("lift", Some(1)), ("fan", Some(3))]);
+    assert!(!bench.bus.modules_hear_replies);
+}
+
 /// Every block of TOML on the reference page that begins with a comment is a whole file.
 #[test]
 fn the_reference_page_shows_files_that_work() {

@@ -66,6 +66,7 @@ fn every_setting_is_understood() {
         ),
         ("fault.board_temperature_c", "110", Setting::BoardTemperatureC(Some(110.0))),
         ("fault.dropped_steps", "-4", Setting::DroppedSteps(-4)),
+        ("fault.eeprom_cut", "12", Setting::EepromCut(Some(12))),
         ("power", "cycle", Setting::Power(Power::Cycle)),
     ];
     let listed = SETTINGS.into_iter().filter(|name| !BRUSHLESS_FAULTS.contains(name));
@@ -77,6 +78,7 @@ fn every_setting_is_understood() {
     }
     assert_eq!(set("fault.board_temperature_c", "none"), Setting::BoardTemperatureC(None));
     assert_eq!(set("step_dir.pulses", "endless"), Setting::StepPulses(None));
+    assert_eq!(set("fault.eeprom_cut", "none"), Setting::EepromCut(None));
 }
 
 /// What can break around a brushless motor only.

@@ -160,6 +160,14 @@ fn encoder_and_inputs() {
 }
 
 #[test]
+fn modules_hear_replies_only_where_the_file_says_so() {
+    let hears = |text: &str| bench(&format!("{text}{MODULE}")).bus.modules_hear_replies;
+    assert!(hears("[bus]\nmodules_hear_replies = true\n"));
+    assert!(!hears("[bus]\nmodules_hear_replies = false\n"));
+    assert!(!hears("[bus]\n") && !hears(""));
+}
+
+#[test]
 fn wires_find_their_modules() {
     let wires = "[[wire]]\nfrom = \"m2.output.7\"\nto = \"door.input.3\"\n";
     let bench = bench(&format!("{MODULE}name = \"door\"\n{MODULE}{wires}"));
