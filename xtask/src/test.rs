@@ -146,7 +146,7 @@ fn fuzz() -> Result<()> {
     for target in FUZZ_TARGETS {
         check(
             Command::new(&cargo_fuzz)
-                .args(["run", target, "--", "-max_total_time=10", "-verbosity=0"])
+                .args(["run", target, "--", "-max_total_time=5", "-verbosity=0"])
                 .env("RUSTC_BOOTSTRAP", "1"),
         )
         .context("a C++ compiler is needed to link libFuzzer: `apt-get install g++`")?;
