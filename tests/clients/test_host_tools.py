@@ -112,6 +112,24 @@ def test_a_scan_finds_who_replies_to_somebody_else(at: tuple[str, str]) -> None:
     assert "TMCM-1311" in tmcl("info", "--host-address", "9", *at).stdout
 
 
+def test_identifiers_of_eleven_bits(serve: Callable[..., Server], link: str) -> None:
+    """On a CAN bus they are the addresses, and a change of them is followed (global parameters 71 and 70)."""
+    can = ("--port", f"slcan://{serve('--slcan', link).port('slcan').place}")
+    done = tmcl("exec", "SGP 71, 0, 772", "SGP 70, 0, 2047", "GGP 71, 0", "--json", *can)
+    assert [exchange["value"] for exchange in json.loads(done.stdout)] == [772, 2047, 772]
+    tmcl("info", "--timeout", "200ms", "--retries", "0", *can, code=CONNECTION)
+    there = ("--address", "0x304", "--host-address", "0x7FF", *can)
+    (found,) = json.loads(tmcl("scan", "--addresses", "0x300-0x308", "--json", *there).stdout)
+    assert (found["address"], found["module"], found["host_address"]) == (772, "TMCM-1311", 2047)
+    text = "set can_id=1000\nset serial_address=9\nget can_id\n"
+    assert tmcl("shell", *there, text=text).stdout.splitlines()[-1].endswith("1000  CAN ID")
+    there = ("--address", "1000", "--host-address", "2047", *can)
+    tmcl("set", "can_id=1001", "can_reply_id=3", *there)
+    done = tmcl("factory-reset", "--yes", "--address", "1001", "--host-address", "3", *can)
+    assert "is back with its factory settings, now at address 1" in done.stderr
+    assert "TMCM-1311" in tmcl("info", *can).stdout
+
+
 def test_a_shell_reads_from_a_pipe(at: tuple[str, str]) -> None:
     """Without a terminal there is no prompt, and the worst that happened is the exit code."""
     text = "set max_velocity=1000\nget max_velocity\n\nGAP 29, 0\nGAP APMaxVelocity, Motor0\n"

@@ -35,7 +35,7 @@ pub struct CanIds {
 #[derive(Debug)]
 pub struct CanStream<C> {
     can: C,
-    module_id: Option<u16>,
+    ids: CanIds,
     host_address: u8,
     /// What was written of a datagram.
     out: Vec<u8>,
@@ -58,13 +58,31 @@ impl<C: CanLink> CanStream<C> {
     /// [`LinkError`] when the bus is broken.
     pub fn new(mut can: C, ids: CanIds, host_address: u8) -> Result<Self, LinkError> {
         can.accept_only(ids.host.unwrap_or(host_address.into()).min(MAX_ID))?;
-        let module_id = ids.module.map(|id| id.min(MAX_ID));
-        Ok(Self { can, module_id, host_address, out: Vec::new(), asked: None, arrived: VecDeque::new() })
+        Ok(Self { can, ids, host_address, out: Vec::new(), asked: None, arrived: VecDeque::new() })
+    }
+
+    /// Turns to another module or host on the same bus; as [`CanStream::new`], but that what has come is thrown away.
+    ///
+    /// # Errors
+    /// [`LinkError`] when the bus is broken.
+    pub fn turn_to(&mut self, ids: CanIds, host_address: u8) -> Result<(), LinkError> {
+        self.can.accept_only(ids.host.unwrap_or(host_address.into()).min(MAX_ID))?;
+        self.ids = ids;
+        self.host_address = host_address;
+        self.asked = None;
+        self.arrived.clear();
+        Ok(())
+    }
+
+    /// The identifiers that were given.
+    #[must_use]
+    pub const fn ids(&self) -> CanIds {
+        self.ids
     }
 
     fn send(&mut self, datagram: [u8; DATAGRAM_LENGTH]) -> Result<(), LinkError> {
         let [address, request @ .., _] = datagram;
-        let id = self.module_id.unwrap_or(address.into());
+        let id = self.ids.module.unwrap_or(address.into()).min(MAX_ID);
         self.asked = Some(Asked { address, command: request[0], id });
         // Seven bytes fit, and so does an identifier that was limited.
         CanFrame::new(id, &request).map_or(Ok(()), |frame| self.can.send(frame))

@@ -110,6 +110,12 @@ impl<L: Link> Client<L> {
         self.last.as_ref()
     }
 
+    /// The link, to look at.
+    #[must_use]
+    pub fn link(&self) -> &L {
+        &self.link
+    }
+
     /// The link.
     pub fn link_mut(&mut self) -> &mut L {
         &mut self.link

@@ -13,6 +13,7 @@
 //! This crate must never know a clock, a socket or a file: time is a duration that the link lets pass.
 
 mod answer;
+mod any_link;
 mod can;
 mod client;
 mod control;
@@ -32,6 +33,7 @@ mod probe;
 mod repeat;
 mod version;
 
+pub use any_link::{AnyLink, Parties};
 pub use can::{CanIds, CanStream};
 pub use client::{Client, Settings};
 pub use control::{ProgramMode, ProgramStatus};

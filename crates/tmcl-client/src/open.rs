@@ -1,8 +1,8 @@
 //! A client for whatever is at an address.
 
-use tmcl_link::{Carrier, Link, LinkAddress, LinkError, Speeds};
+use tmcl_link::{Carrier, LinkAddress, LinkError, Speeds};
 
-use crate::{CanIds, CanStream, Client, Settings};
+use crate::{AnyLink, CanIds, CanStream, Client, Settings};
 
 /// What an address does not say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,11 +19,13 @@ pub struct OpenOptions {
 ///
 /// # Errors
 /// [`LinkError`] when the text is no address, or nothing can be opened there.
-pub fn open_link(address: &str, options: OpenOptions) -> Result<Box<dyn Link>, LinkError> {
+pub fn open_link(address: &str, options: OpenOptions) -> Result<AnyLink, LinkError> {
     let address: LinkAddress = address.parse()?;
     Ok(match tmcl_link::open_with(address, options.speeds)? {
-        Carrier::Bytes(link) => link,
-        Carrier::Frames(bus) => Box::new(CanStream::new(bus, options.can, options.settings.host_address)?),
+        Carrier::Bytes(link) => AnyLink::Bytes(link),
+        Carrier::Frames(bus) => {
+            AnyLink::Can(CanStream::new(bus, options.can, options.settings.host_address)?)
+        }
     })
 }
 
@@ -31,6 +33,6 @@ pub fn open_link(address: &str, options: OpenOptions) -> Result<Box<dyn Link>, L
 ///
 /// # Errors
 /// As [`open_link`].
-pub fn open(address: &str, options: OpenOptions) -> Result<Client<Box<dyn Link>>, LinkError> {
+pub fn open(address: &str, options: OpenOptions) -> Result<Client<AnyLink>, LinkError> {
     Ok(Client::with_settings(open_link(address, options)?, options.settings))
 }

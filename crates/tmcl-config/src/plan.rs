@@ -71,7 +71,13 @@ pub fn plan(differences: &[Difference], wishes: Wishes) -> Plan {
 
 /// Whether a host that knows it has been written goes on talking to the module.
 fn is_address(item: Item) -> bool {
-    is_one_of(item, &[GlobalParameter::SerialAddress, GlobalParameter::HostAddress])
+    const ADDRESSES: [GlobalParameter; 4] = [
+        GlobalParameter::SerialAddress,
+        GlobalParameter::HostAddress,
+        GlobalParameter::CanReplyId,
+        GlobalParameter::CanId,
+    ];
+    is_one_of(item, &ADDRESSES)
 }
 
 fn phase(item: Item) -> Phase {

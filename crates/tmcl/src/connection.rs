@@ -13,13 +13,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use tmcl_client::{Client, ClientError, Settings};
-use tmcl_link::Link;
-use tmcl_tables::ModuleSpec;
+use tmcl_client::{AnyLink, Client, ClientError, Parties, Settings};
+use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::exit::{Code, Failure};
 use place::Place;
-pub(crate) use values::BaudRates;
+pub(crate) use values::{BaudRates, address};
 
 /// Where `tmcl serve` listens when nothing is said.
 const DEFAULT_PORT: &str = "tcp://127.0.0.1:5311";
@@ -35,12 +34,12 @@ pub(crate) struct ConnectionOptions {
     /// Bits per second of a serial port [default: 9600]
     #[arg(long, value_name = "RATE", value_parser = values::baud_rates)]
     pub(crate) baud: Option<BaudRates>,
-    /// The module's address [default: 1]
+    /// The module's address; on CAN its identifier, to 0x7FF [default: 1]
     #[arg(long, value_name = "N", value_parser = values::address)]
-    pub(crate) address: Option<u8>,
-    /// The address that the module sends its replies to [default: 2]
+    pub(crate) address: Option<u16>,
+    /// The address, or CAN identifier, that it replies to [default: 2]
     #[arg(long, value_name = "N", value_parser = values::address)]
-    pub(crate) host_address: Option<u8>,
+    pub(crate) host_address: Option<u16>,
     /// How long to wait for a reply: 500ms, 1s [default: 1s]
     #[arg(long, value_name = "TIME", value_parser = values::timeout)]
     pub(crate) timeout: Option<Duration>,
@@ -50,7 +49,7 @@ pub(crate) struct ConnectionOptions {
 }
 
 /// A client on any kind of link.
-pub(crate) type AnyClient = Client<Box<dyn Link>>;
+pub(crate) type AnyClient = Client<AnyLink>;
 
 impl ConnectionOptions {
     /// Opens the link and asks which module is there.
@@ -112,6 +111,7 @@ pub(crate) struct Connection {
     origin: Origin,
     baud: Option<BaudRates>,
     settings: Settings,
+    parties: Parties,
     /// Whether anybody said how long to wait.
     timeout_is_given: bool,
 }
@@ -131,6 +131,7 @@ impl Connection {
             _ => Origin::Default,
         };
         let (asked_address, asked_baud) = (command_line.address, command_line.baud.clone());
+        let who_says = who_says(&command_line, &environment);
         let all = command_line.over(environment).over(file);
         let place = Place::parse(all.port.as_deref().unwrap_or(DEFAULT_PORT))
             .map_err(|message| Failure::new(Code::Usage, format!("{message}{}", origin.or_nothing())))?;
@@ -145,17 +146,26 @@ impl Connection {
             return Err(Failure::new(Code::Usage, message));
         }
         let settings = Settings::default();
-        let settings = Settings {
+        let parties = Parties {
             // What the notation says of a virtual module is more than what a file says of modules in general.
-            module_address: asked_address
-                .or_else(|| place.address())
+            module: asked_address
+                .or_else(|| place.address().map(u16::from))
                 .or(all.address)
-                .unwrap_or(settings.module_address),
-            host_address: all.host_address.unwrap_or(settings.host_address),
+                .unwrap_or_else(|| settings.module_address.into()),
+            host: all.host_address.unwrap_or_else(|| settings.host_address.into()),
+        };
+        for (value, name) in [(parties.module, who_says.address), (parties.host, who_says.host_address)] {
+            place
+                .takes(value)
+                .map_err(|message| Failure::new(Code::Usage, format!("in {name}: {message}")))?;
+        }
+        let settings = parties.within(Settings {
             timeout: all.timeout.unwrap_or(settings.timeout),
             retries: all.retries.unwrap_or(settings.retries),
-        };
-        Ok(Self { place, origin, baud: all.baud, settings, timeout_is_given: all.timeout.is_some() })
+            ..settings
+        });
+        let timeout_is_given = all.timeout.is_some();
+        Ok(Self { place, origin, baud: all.baud, settings, parties, timeout_is_given })
     }
 
     /// The port, as it was named.
@@ -166,6 +176,11 @@ impl Connection {
     /// Who talks to whom, and how patiently.
     pub(crate) fn settings(&self) -> Settings {
         self.settings
+    }
+
+    /// Whether an address can be meant on this kind of port.
+    pub(crate) fn takes(&self, address: u16) -> Result<(), String> {
+        self.place.takes(address)
     }
 
     /// Whether somebody said how long to wait.
@@ -202,7 +217,7 @@ impl Connection {
 
     /// Opens the link at a rate.
     pub(crate) fn open_at(&self, rate: Option<u32>) -> Result<AnyClient, Failure> {
-        let link = self.place.open(rate, self.settings);
+        let link = self.place.open(rate, self.settings, self.parties);
         let link = link.map_err(|failure| failure.and_says(&self.origin.to_string()))?;
         Ok(Client::with_settings(link, self.settings))
     }
@@ -222,6 +237,35 @@ impl Origin {
     /// As [`fmt::Display`], where the port was somebody's choice.
     fn or_nothing(&self) -> String {
         if *self == Self::Default { String::new() } else { self.to_string() }
+    }
+}
+
+/// Where an address was said, as an error names it.
+struct WhoSays {
+    address: &'static str,
+    host_address: &'static str,
+}
+
+fn who_says(command_line: &ConnectionOptions, environment: &ConnectionOptions) -> WhoSays {
+    let of = |it: fn(&ConnectionOptions) -> Option<u16>, names: [&'static str; 3]| match names {
+        [option, ..] if it(command_line).is_some() => option,
+        [_, variable, _] if it(environment).is_some() => variable,
+        [.., key] => key,
+    };
+    WhoSays {
+        address: of(|it| it.address, ["--address", "TMCL_ADDRESS", "`address` of tmcl.toml"]),
+        host_address: of(
+            |it| it.host_address,
+            ["--host-address", "TMCL_HOST_ADDRESS", "`host_address` of tmcl.toml"],
+        ),
+    }
+}
+
+/// Goes on talking to a module whose address was changed by a write that it took.
+pub(crate) fn follow(client: &mut AnyClient, bank: u8, number: u8, value: i64) -> Result<(), ClientError> {
+    match GlobalParameter::from_address(bank, number) {
+        Some(parameter) => Ok(client.follow(parameter, value)?),
+        None => Ok(()),
     }
 }
 
@@ -290,6 +334,37 @@ mod tests {
         let settings = of(command_line, environment, file).settings();
         let expected = Settings { module_address: 5, host_address: 9, retries: 0, ..Settings::default() };
         assert_eq!(settings, expected);
+    }
+
+    /// Whoever says it is named.
+    #[test]
+    fn identifiers_beyond_a_byte_are_for_can() {
+        let asked = |port: &str, options: ConnectionOptions| {
+            let options = ConnectionOptions { port: Some(port.to_owned()), ..options };
+            Connection::of(options, ConnectionOptions::default(), None)
+        };
+        let address = || ConnectionOptions { address: Some(0x304), ..ConnectionOptions::default() };
+        let host = || ConnectionOptions { host_address: Some(0x7FF), ..ConnectionOptions::default() };
+        let both = ConnectionOptions { host_address: Some(0x7FF), ..address() };
+        let found = asked("can://can0", both).expect("a bus takes both");
+        assert_eq!(found.parties, Parties { module: 0x304, host: 0x7FF });
+        assert_eq!((found.settings.module_address, found.settings.host_address), (4, 0xFF));
+        let error =
+            |port, options| asked(port, options).expect_err("a line takes a byte").message().to_owned();
+        assert_eq!(
+            error("/dev/ttyUSB0", address()),
+            "in --address: 772 is too large for /dev/ttyUSB0, which takes 0 to 255; a CAN bus takes more"
+        );
+        assert!(
+            error("tcp://a:1", host()).starts_with("in --host-address: 2047 is too large for tcp://a:1,")
+        );
+        let says = |environment, file| {
+            let found = Connection::of(port("tcp://a:1"), environment, Some((PathBuf::new(), file)));
+            found.expect_err("a line takes a byte").message().split(':').next().map(str::to_owned)
+        };
+        let none = ConnectionOptions::default;
+        assert_eq!(says(address(), none()).as_deref(), Some("in TMCL_ADDRESS"));
+        assert_eq!(says(none(), host()).as_deref(), Some("in `host_address` of tmcl.toml"));
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub(crate) fn table<const N: usize>(
     header: [&str; N],
     rows: impl Iterator<Item = [String; N]>,
 ) -> io::Result<()> {
-    aligned(CellAlignment::Right, header, rows)
+    text(&columns(header, Some(0), rows))
 }
 
 /// A table without lines; the first column is left-aligned.
@@ -52,21 +52,22 @@ pub(crate) fn listing<const N: usize>(
     header: [&str; N],
     rows: impl Iterator<Item = [String; N]>,
 ) -> io::Result<()> {
-    aligned(CellAlignment::Left, header, rows)
+    text(&columns(header, None, rows))
 }
 
-fn aligned<const N: usize>(
-    first: CellAlignment,
+/// As [`listing`], as a text, and with numbers in the column `numbers`, if there is one of that index.
+pub(crate) fn columns<const N: usize>(
     header: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
-) -> io::Result<()> {
+    numbers: Option<usize>,
+    rows: impl IntoIterator<Item = [String; N]>,
+) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(header.map(str::to_uppercase)).add_rows(rows);
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((u16::from(index > 0), 1));
-        if index == 0 {
-            column.set_cell_alignment(first);
+        if Some(index) == numbers {
+            column.set_cell_alignment(CellAlignment::Right);
         }
     }
-    text(&format!("{}\n", table.trim_fmt()))
+    format!("{}\n", table.trim_fmt())
 }

@@ -1,10 +1,10 @@
-use tmcl_tables::{Command, Status};
+use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::Request;
 use tmcl_wire::can::{Length, decode_request, encode_reply, encode_version_string};
 use tmcl_wire::{Reply, serial::encode_request};
 
 use super::*;
-use crate::{Client, ClientError, Heard, Settings};
+use crate::{AnyLink, Client, ClientError, Heard, Parties, Settings};
 
 /// A bus with one module on it, which answers with `first` as its first byte.
 struct Bus {
@@ -84,7 +84,7 @@ fn client(bus: Bus, ids: CanIds, settings: Settings) -> Client<CanStream<Bus>> {
 }
 
 /// Every form of a reply.
-fn exchange_everything(client: &mut Client<CanStream<Bus>>) {
+fn exchange_everything(client: &mut Client<impl Link>) {
     let request = Request::new(Command::GetAxisParameter, 1, 0, 41);
     assert_eq!(client.request(request).expect("it answers").value, 42);
     assert_eq!(client.version_string().expect("it answers"), "1311V111");
@@ -128,6 +128,43 @@ fn addresses_are_identifiers_until_one_is_given() {
     assert!(matches!(client.get_axis_parameter(1), Err(ClientError::NoReply { heard: Heard::Nothing, .. })));
     client.settings_mut().module_address = 200;
     exchange_everything(&mut client);
+}
+
+/// On a bus the identifiers count and on a line the addresses; what is neither changes nothing.
+#[test]
+fn a_change_of_identifiers_is_followed() {
+    let bus: Box<dyn CanLink> = Box::new(Bus::new(0x304, 0x7FF, 4));
+    let stream = CanStream::new(bus, CanIds::default(), 2).expect("the bus works");
+    let mut client = Client::new(AnyLink::Can(stream));
+    assert_eq!(client.parties(), Parties { module: 1, host: 2 });
+    for (parameter, value) in [
+        (GlobalParameter::CanId, 0x304),
+        (GlobalParameter::SerialAddress, 9),
+        (GlobalParameter::CanReplyId, 0x7FF),
+        (GlobalParameter::HostAddress, 9),
+        (GlobalParameter::AutoStart, 1),
+    ] {
+        client.follow(parameter, value).expect("the bus works");
+    }
+    assert_eq!(client.parties(), Parties { module: 0x304, host: 0x7FF });
+    exchange_everything(&mut client);
+}
+
+#[test]
+fn a_change_of_addresses_is_followed() {
+    let module = crate::fake::FakeModule { address: 7, ..crate::fake::FakeModule::default() };
+    let mut client = Client::new(AnyLink::Bytes(Box::new(module)));
+    for (parameter, value) in [
+        (GlobalParameter::CanId, 0x304),
+        (GlobalParameter::CanReplyId, 3),
+        (GlobalParameter::SerialAddress, 256),
+        (GlobalParameter::SerialAddress, -1),
+        (GlobalParameter::SerialAddress, 7),
+    ] {
+        client.follow(parameter, value).expect("the line works");
+    }
+    assert_eq!(client.parties(), Parties { module: 7, host: 2 });
+    client.firmware_version().expect("it answers");
 }
 
 #[test]

@@ -63,8 +63,7 @@ fn print_written<'d>(written: impl Iterator<Item = &'d Difference>) -> Outcome {
     if rows.is_empty() {
         return Ok(());
     }
-    let table = parameters::columns(["name", "before", "after"], usize::MAX, rows);
-    Ok(print::text(&parameters::to_text(&table))?)
+    Ok(print::listing(["name", "before", "after"], rows.into_iter())?)
 }
 
 fn say_left(left: &[(Left, Difference)]) {

@@ -47,7 +47,7 @@ pub(crate) fn run(options: &Diff) -> Outcome {
         print::json(&rows.iter().map(|row| to_json(row, sides)).collect::<Vec<_>>())?;
     } else if !rows.is_empty() {
         let header = ["name", sides[0], sides[1]];
-        print::text(&parameters::to_text(&parameters::columns(header, usize::MAX, rows.iter().map(cells))))?;
+        print::listing(header, rows.iter().map(cells))?;
     }
     if rows.is_empty() { Ok(()) } else { Err(Code::Findings.into()) }
 }

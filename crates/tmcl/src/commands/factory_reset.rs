@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::time::Duration;
 
 use clap::Args;
-use tmcl_client::{Client, ClientError, FirmwareVersion, Settings};
+use tmcl_client::{Client, ClientError, FirmwareVersion, Parties, Settings};
 use tmcl_link::Link;
 use tmcl_tables::{Command, GlobalParameter, ModuleSpec};
 use tmcl_wire::Request;
@@ -18,6 +18,9 @@ const CONFIRMATION: i32 = 1234;
 
 /// How often the module is asked whether it is back.
 const ATTEMPTS: usize = 20;
+
+/// The addresses of modules as they come, and their identifiers on a CAN bus (TMCM-1311 §5.7.36: GP 66, 76, 71, 70).
+const FACTORY: Parties = Parties { module: 1, host: 2 };
 
 /// `tmcl factory-reset`.
 #[derive(Args)]
@@ -41,7 +44,7 @@ pub(crate) fn run(options: &FactoryReset) -> Outcome {
         let message = format!("the {} has no command that resets it", module.name);
         return Err(Failure::new(Code::TmclStatus, message).into());
     }
-    let address = client.settings().module_address;
+    let address = client.parties().module;
     unlocked(&mut client, module)?;
     if !options.yes && !confirmed(module, address)? {
         return Err(Failure::new(Code::Usage, "nothing was done").into());
@@ -49,8 +52,7 @@ pub(crate) fn run(options: &FactoryReset) -> Outcome {
     client
         .send(Request::new(Command::FactoryReset, 0, 0, CONFIRMATION))
         .map_err(|error| told(&client, &error))?;
-    let (settings, version) = back(client)?;
-    let at = settings.module_address;
+    let (at, version) = back(client)?;
     let moved = if at == address { String::new() } else { format!(", now at address {at}") };
     print::note(&format!("the {version} is back with its factory settings{moved}"));
     Ok(())
@@ -75,7 +77,7 @@ fn unlocked(client: &mut AnyClient, module: &ModuleSpec) -> Result<(), Failure> 
 }
 
 /// Asks on a terminal; where there is none, somebody has to have said yes before.
-fn confirmed(module: &ModuleSpec, address: u8) -> Result<bool, Failure> {
+fn confirmed(module: &ModuleSpec, address: u16) -> Result<bool, Failure> {
     if !std::io::stdin().is_terminal() {
         let message = format!("this sets all settings of the {} back; say --yes if you mean it", module.name);
         return Err(Failure::new(Code::Usage, message));
@@ -96,21 +98,22 @@ fn confirmed(module: &ModuleSpec, address: u8) -> Result<bool, Failure> {
 }
 
 /// Waits for the module, at its address and at the factory's.
-fn back(client: AnyClient) -> Result<(Settings, FirmwareVersion), Failure> {
-    let before = Settings { timeout: Duration::from_millis(150), retries: 0, ..client.settings() };
-    let factory = Settings { module_address: 1, host_address: Settings::default().host_address, ..before };
+fn back(client: AnyClient) -> Result<(u16, FirmwareVersion), Failure> {
+    let settings = Settings { timeout: Duration::from_millis(150), retries: 0, ..client.settings() };
+    let before = client.parties();
     let mut link = client.into_link();
     for _ in 0..ATTEMPTS {
-        for settings in [factory, before] {
-            match Client::with_settings(&mut link, settings).firmware_version() {
-                Ok(version) => return Ok((settings, version)),
+        for parties in [FACTORY, before] {
+            link.turn_to(parties).map_err(|error| gone(&error.to_string()))?;
+            match Client::with_settings(&mut link, parties.within(settings)).firmware_version() {
+                Ok(version) => return Ok((parties.module, version)),
                 Err(ClientError::Link(error)) => return Err(gone(&error.to_string())),
                 Err(_) => {}
             }
         }
         link.wait(Duration::from_millis(50)).map_err(|error| gone(&error.to_string()))?;
     }
-    Err(gone("it may have another bit rate now: the factory's"))
+    Err(gone("it may have another bit rate now, or be on another interface: the factory's"))
 }
 
 fn gone(why: &str) -> Failure {

@@ -64,8 +64,7 @@ pub(crate) fn run(options: &Get) -> Outcome {
         let unit = unit(name, closed_loop).to_owned();
         [name.to_string(), value.to_string(), unit, described(name, *value)]
     });
-    let table = parameters::columns(["name", "value", "unit", "meaning"], 1, rows);
-    Ok(print::text(&parameters::to_text(&table))?)
+    Ok(print::text(&print::columns(["name", "value", "unit", "meaning"], Some(1), rows))?)
 }
 
 /// The unit of a whole parameter; some bits have none.

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use clap::Args;
 use serde::Serialize;
-use tmcl_client::{ClientError, FirmwareVersion, Heard, Presence};
+use tmcl_client::{Client, ClientError, FirmwareVersion, Heard, Parties, Presence};
 
 use super::asm::counted;
-use crate::connection::{AnyClient, Connection, ConnectionOptions, failure};
+use crate::connection::{self, AnyClient, Connection, ConnectionOptions, failure};
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 
@@ -25,7 +25,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
     as in 9600,115200, and `all`. Exits with 3 if nobody answers."
 )]
 pub(crate) struct Scan {
-    /// The addresses to ask: 1-20, or 1,5,7-9
+    /// The addresses to ask: 1-20, or 1,5,7-9; on CAN up to 0x7FF
     #[arg(long, value_name = "RANGE", default_value = "1-255", value_parser = addresses)]
     addresses: Addresses,
     /// Print JSON
@@ -37,16 +37,16 @@ pub(crate) struct Scan {
 
 /// Ascending, each once.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Addresses(Vec<u8>);
+struct Addresses(Vec<u16>);
 
 /// Somebody.
 #[derive(Serialize)]
 struct Found {
-    address: u8,
+    address: u16,
     module: String,
     firmware: String,
     /// The host address that it replies to.
-    host_address: u8,
+    host_address: u16,
     #[serde(skip_serializing_if = "Option::is_none")]
     baud: Option<u32>,
 }
@@ -58,6 +58,9 @@ pub(crate) fn run(options: &Scan) -> Outcome {
     let rates: Vec<Option<u32>> =
         if rates.is_empty() { vec![None] } else { rates.into_iter().map(Some).collect() };
     let Addresses(addresses) = &options.addresses;
+    if let Some(Err(message)) = addresses.last().map(|last| connection.takes(*last)) {
+        return Err(Failure::new(Code::Usage, format!("in --addresses: {message}")).into());
+    }
     let bar = print::progress(rates.len() * addresses.len(), "addresses asked");
     let mut found = Vec::new();
     for rate in rates {
@@ -96,7 +99,7 @@ fn print(found: &[Found], json: bool) -> std::io::Result<()> {
 }
 
 impl Found {
-    fn of(version: Option<FirmwareVersion>, address: u8, host_address: u8, baud: Option<u32>) -> Self {
+    fn of(version: Option<FirmwareVersion>, address: u16, host_address: u16, baud: Option<u32>) -> Self {
         let name = |version: FirmwareVersion| {
             version.module_spec().map_or_else(|| version.module.to_string(), |spec| spec.name.to_owned())
         };
@@ -117,16 +120,17 @@ fn timeout(connection: &Connection, rate: Option<u32>) -> Duration {
 /// Asks one address; a module may reply to another host than us, and is asked again as that.
 fn asked(
     client: &mut AnyClient,
-    address: u8,
+    address: u16,
     timeout: Duration,
-) -> Result<Option<(Option<FirmwareVersion>, u8)>, ClientError> {
-    let host = client.settings().host_address;
-    let presence = match client.probe(address, timeout)? {
-        Presence::Unclear(Heard::Other { host: other, module }) if module == address && other != host => {
-            client.settings_mut().host_address = other;
-            let presence = client.probe(address, timeout);
-            client.settings_mut().host_address = host;
-            return Ok(Some((version(presence?), other)));
+) -> Result<Option<(Option<FirmwareVersion>, u16)>, ClientError> {
+    let host = client.parties().host;
+    let presence = match probe(client, Parties { module: address, host }, timeout)? {
+        Presence::Unclear(Heard::Other { host: other, module })
+            if u16::from(module) == address && u16::from(other) != host =>
+        {
+            let host = other.into();
+            let presence = probe(client, Parties { module: address, host }, timeout)?;
+            return Ok(Some((version(presence), host)));
         }
         presence => presence,
     };
@@ -134,6 +138,13 @@ fn asked(
         Presence::Module(_) | Presence::Silent(_) => Some((version(presence), host)),
         Presence::Nobody | Presence::Unclear(_) => None,
     })
+}
+
+/// Asks on behalf of a host that waits for nothing else: a module that does not answer owes nothing.
+fn probe(client: &mut AnyClient, parties: Parties, timeout: Duration) -> Result<Presence, ClientError> {
+    let settings = parties.within(client.settings());
+    client.link_mut().turn_to(parties)?;
+    Client::with_settings(client.link_mut(), settings).probe(settings.module_address, timeout)
 }
 
 fn version(presence: Presence) -> Option<FirmwareVersion> {
@@ -145,11 +156,12 @@ fn version(presence: Presence) -> Option<FirmwareVersion> {
 
 /// `1-20`, `1,5,7-9`.
 fn addresses(text: &str) -> Result<Addresses, String> {
-    const EXPECTED: &str = "addresses from 0 to 255 are expected, such as 1-20 or 1,5,7-9";
+    const EXPECTED: &str = "addresses from 0 to 255 are expected, or identifiers on a CAN bus, up to 0x7FF (2047), such \
+                            as 1-20 or 1,5,7-9";
     let mut all = std::collections::BTreeSet::new();
     for part in text.split(',') {
         let (first, last) = part.split_once('-').or_else(|| part.split_once("..=")).unwrap_or((part, part));
-        match (first.trim().parse::<u8>(), last.trim().parse::<u8>()) {
+        match (connection::address(first.trim()), connection::address(last.trim())) {
             (Ok(first), Ok(last)) if first <= last => all.extend(first..=last),
             _ => return Err(EXPECTED.to_owned()),
         }
@@ -165,8 +177,9 @@ mod tests {
     fn ranges_of_addresses() {
         assert_eq!(addresses("5"), Ok(Addresses(vec![5])));
         assert_eq!(addresses("7-9,1,8"), Ok(Addresses(vec![1, 7, 8, 9])));
+        assert_eq!(addresses("0x7fe-0x7ff"), Ok(Addresses(vec![0x7FE, 0x7FF])));
         assert_eq!(addresses("1..=255").map(|all| all.0.len()), Ok(255));
-        for wrong in ["", "9-7", "1-256", "a", "1,,2", "-5"] {
+        for wrong in ["", "9-7", "1-2048", "a", "1,,2", "-5"] {
             assert!(addresses(wrong).is_err(), "{wrong}");
         }
     }

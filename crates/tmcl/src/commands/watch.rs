@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use tmcl_config::{Name, described};
+use tmcl_link::Link as _;
 
 use super::get::unit;
 use crate::arguments::{duration, interval};
@@ -41,10 +42,17 @@ pub(crate) struct Watch {
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub(crate) duration: Option<u64>,
     /// End after so many samples
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = samples)]
     pub(crate) count: Option<u64>,
     #[command(flatten)]
     pub(crate) connection: ConnectionOptions,
+}
+
+fn samples(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|count| *count > 0)
+        .ok_or_else(|| "a number of samples is expected, from 1 on".to_owned())
 }
 
 /// Samples until time, count or the user says that it is enough.
@@ -193,9 +201,8 @@ impl<'n> View<'n> {
                     let (unit, curve) = (unit(name, *closed_loop), parameters::spark(past.iter().copied()));
                     [name.to_string(), value.to_string(), unit.to_owned(), described(name, *value), curve]
                 });
-                let table = parameters::columns(["name", "value", "unit", "meaning", ""], 1, rows);
-                let frame =
-                    format!("{}{:.3} s, Ctrl-C ends\n", parameters::to_text(&table), time.as_secs_f64());
+                let table = print::columns(["name", "value", "unit", "meaning", ""], Some(1), rows);
+                let frame = format!("{}{:.3} s, Ctrl-C ends\n", table, time.as_secs_f64());
                 draw(&frame, lines)
             }
         }

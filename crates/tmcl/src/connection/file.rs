@@ -148,7 +148,7 @@ mod tests {
             "port = \"COM3\"\n",
             "connection = 3\n",
             "[connection]\ntimeout = 5\n",
-            "[connection]\naddress = 256\n",
+            "[connection]\naddress = 2048\n",
             "[connection]\nretries = [1]\n",
             "[connection\n",
         ];

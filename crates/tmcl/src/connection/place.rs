@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use tmcl_client::{Client, OpenOptions, Settings};
-use tmcl_link::{AddressError, Link, LinkAddress, Speeds};
+use tmcl_client::{AnyLink, Client, OpenOptions, Parties, Settings};
+use tmcl_link::can::MAX_ID;
+use tmcl_link::{AddressError, LinkAddress, Speeds};
 use tmcl_tables::GlobalParameter;
 use virtual_bench::config::ModuleConfig;
 use virtual_bench::{Bench, BenchConfig, ModuleId};
@@ -98,17 +99,33 @@ impl Place {
         place.config.modules.get(place.module).map(address)
     }
 
+    /// Whether an address can be meant there: on a CAN bus it is an identifier.
+    pub(super) fn takes(&self, address: u16) -> Result<(), String> {
+        let is_can = matches!(&self.kind, Kind::Link(address) if address.is_can());
+        let most = if is_can { MAX_ID } else { u8::MAX.into() };
+        if address <= most {
+            return Ok(());
+        }
+        let text = &self.text;
+        Err(format!("{address} is too large for {text}, which takes 0 to {most}; a CAN bus takes more"))
+    }
+
     /// Opens the link. A rate that the notation says is not said again.
-    pub(super) fn open(&self, rate: Option<u32>, settings: Settings) -> Result<Box<dyn Link>, Failure> {
+    pub(super) fn open(
+        &self,
+        rate: Option<u32>,
+        settings: Settings,
+        parties: Parties,
+    ) -> Result<AnyLink, Failure> {
         match &self.kind {
             Kind::Virtual(place) => {
                 let mut bench = Bench::new(&place.config);
                 bench.advance_by(POWER_ON_NS);
-                Ok(Box::new(VirtualLink::new(bench, ModuleId(place.module))))
+                Ok(AnyLink::Bytes(Box::new(VirtualLink::new(bench, ModuleId(place.module)))))
             }
             Kind::Link(address) => {
                 let speeds = Speeds { baud_rate: rate, can_bit_rate: None };
-                let options = OpenOptions { settings, speeds, ..OpenOptions::default() };
+                let options = OpenOptions { settings, speeds, can: parties.ids() };
                 tmcl_client::open(&address.to_string(), options)
                     .map(Client::into_link)
                     .map_err(|error| Failure::new(Code::Connection, error.to_string()))

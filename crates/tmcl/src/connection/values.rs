@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use tmcl_link::can::MAX_ID;
 use tmcl_tables::tmcm_1311;
 
 use crate::arguments;
@@ -45,8 +46,17 @@ fn known_rates() -> Vec<u32> {
     values.iter().filter_map(|named| named.name.split(' ').next()?.parse().ok()).collect()
 }
 
-pub(super) fn address(text: &str) -> Result<u8, String> {
-    text.parse().map_err(|_| "an address from 0 to 255 is expected".to_owned())
+/// An address, which is an identifier on a CAN bus; whether it is too large for the port, that is seen later.
+pub(crate) fn address(text: &str) -> Result<u16, String> {
+    const EXPECTED: &str =
+        "an address from 0 to 255 is expected, or an identifier on a CAN bus, from 0 to 0x7FF (2047)";
+    let hexadecimal = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    let is_digits = |digits: &str| digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let number = match hexadecimal {
+        Some(digits) if is_digits(digits) => u16::from_str_radix(digits, 16),
+        _ => text.parse(),
+    };
+    number.ok().filter(|id| *id <= MAX_ID).ok_or_else(|| EXPECTED.to_owned())
 }
 
 pub(super) fn timeout(text: &str) -> Result<Duration, String> {
@@ -75,6 +85,15 @@ mod tests {
         assert_eq!((all.first(), all.last(), all.len()), (Some(&9600), Some(&1_000_000), 12));
         for wrong in ["", "0", "fast", "9600,", "-1"] {
             assert!(baud_rates(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn addresses_are_decimal_or_hexadecimal() {
+        let addresses = ["0", "255", "256", "0x304", "0X7ff"].map(address);
+        assert_eq!(addresses, [0, 255, 256, 0x304, 0x7FF].map(Ok));
+        for wrong in ["", "2048", "0x800", "-1", "0x", "0x+1", "1.5", "7FF"] {
+            assert!(address(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 use tmcl_client::{ClientError, Described};
-use tmcl_tables::{Command, GlobalParameter, ModuleSpec, STATUSES, Status};
+use tmcl_tables::{Command, ModuleSpec, STATUSES, Status};
 use tmcl_wire::Request;
 
 use super::Meaning;
-use crate::connection::AnyClient;
+use crate::connection::{AnyClient, follow};
 
 /// What a module answers.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,25 +35,14 @@ pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, C
         }
         _ => client.request(request).map(|reply| Answer::Value(reply.status, reply.value)),
     };
-    if let Ok(Answer::Value(Status::Ok, _)) = answer {
-        follow(client, request);
+    if let Ok(Answer::Value(Status::Ok, _)) = answer
+        && request.command == Command::SetGlobalParameter.number()
+    {
+        follow(client, request.motor, request.kind, request.value.into())?;
     }
     match answer {
         Err(ClientError::Status { status, .. }) => Ok(Answer::Refused(status)),
         answer => answer,
-    }
-}
-
-/// A new address counts from the next request on (TMCM-1311 §10.1).
-fn follow(client: &mut AnyClient, request: Request) {
-    let Ok(address) = u8::try_from(request.value) else { return };
-    if request.command != Command::SetGlobalParameter.number() {
-        return;
-    }
-    match GlobalParameter::from_address(request.motor, request.kind) {
-        Some(GlobalParameter::SerialAddress) => client.settings_mut().module_address = address,
-        Some(GlobalParameter::HostAddress) => client.settings_mut().host_address = address,
-        _ => {}
     }
 }
 

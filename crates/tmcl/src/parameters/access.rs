@@ -2,9 +2,9 @@
 
 use tmcl_client::ClientError;
 use tmcl_config::Item;
-use tmcl_tables::{GlobalParameter, ModuleSpec, Status};
+use tmcl_tables::{ModuleSpec, Status};
 
-use crate::connection::{AnyClient, failure};
+use crate::connection::{AnyClient, failure, follow};
 use crate::exit::Failure;
 
 /// Reads it.
@@ -36,18 +36,9 @@ pub(crate) fn write(client: &mut AnyClient, item: Item, value: i64) -> Result<()
         Item::Coordinate(number) => client.set_coordinate(number, bits)?,
         Item::Port(port) => client.set_output(port.number, bits)?,
     }
-    follow(client, item, value);
-    Ok(())
-}
-
-/// A new address counts from the next request on (TMCM-1311 §10.1).
-fn follow(client: &mut AnyClient, item: Item, value: i64) {
-    let Item::Global(entry, number) = item else { return };
-    let Ok(address) = u8::try_from(value) else { return };
-    match GlobalParameter::from_address(entry.bank, number) {
-        Some(GlobalParameter::SerialAddress) => client.settings_mut().module_address = address,
-        Some(GlobalParameter::HostAddress) => client.settings_mut().host_address = address,
-        _ => {}
+    match item {
+        Item::Global(entry, number) => follow(client, entry.bank, number, value),
+        _ => Ok(()),
     }
 }
 

@@ -6,7 +6,6 @@ mod access;
 mod apply;
 mod files;
 mod spark;
-mod table;
 #[cfg(test)]
 mod tests;
 
@@ -16,7 +15,6 @@ pub(crate) use access::{
 pub(crate) use apply::{Progress, apply, differences};
 pub(crate) use files::{belongs_to, load};
 pub(crate) use spark::spark;
-pub(crate) use table::{columns, to_text};
 
 use tmcl_config::{Item, Name, NameError, select};
 use tmcl_tables::ModuleSpec;

@@ -1,7 +1,7 @@
 use std::time::Duration;
 
 use proptest::prelude::*;
-use tmcl_client::{Client, Settings};
+use tmcl_client::{AnyLink, Client, Settings};
 use tmcl_config::file::{self, Config, Header};
 use tmcl_config::{Left, Wishes, items};
 use tmcl_link::{Link, LinkError};
@@ -19,7 +19,7 @@ const ALL: Wishes = Wishes { connection: true };
 
 fn client(kind: ModuleKind) -> AnyClient {
     let link = VirtualLink::new(Bench::new(&BenchConfig::default_for(kind)), ModuleId(0));
-    let mut client = Client::new(Box::new(link) as Box<dyn Link>);
+    let mut client = Client::new(AnyLink::Bytes(Box::new(link)));
     client.set_module(Some(kind.spec()));
     client
 }
@@ -210,7 +210,7 @@ fn what_is_refused_is_tried_once_more_after_the_others() {
     let kind = ModuleKind::Tmcm1311;
     let bench = VirtualLink::new(Bench::new(&BenchConfig::default_for(kind)), ModuleId(0));
     let link = Picky { link: bench, willing: false };
-    let mut client = Client::new(Box::new(link) as Box<dyn Link>);
+    let mut client = Client::new(AnyLink::Bytes(Box::new(link)));
     let text = "module = \"tmcm-1311\"\n[axis]\nmax_velocity = 7\nmotor_full_steps = 400\n";
     let progress = apply(&mut client, &parse(text), ALL, false).expect("it answers");
     let written: Vec<_> = progress.written.iter().map(|difference| difference.item.name()).collect();
