@@ -34,7 +34,8 @@ struct Figure {
     /// Of the file, without its ending.
     name: String,
     title: String,
-    program: PathBuf,
+    /// Without one the bench runs by itself.
+    program: Option<PathBuf>,
     bench: PathBuf,
     /// The options of `tmcl run` of the same names.
     #[serde(rename = "for")]
@@ -43,6 +44,8 @@ struct Figure {
     plot_from: Option<String>,
     #[serde(rename = "panels")]
     panel: Vec<String>,
+    #[serde(default)]
+    exec: Vec<String>,
     #[serde(default)]
     expect: Vec<String>,
 }
@@ -120,7 +123,8 @@ fn draw(tmcl: &Path, figure: &Figure, to: &Path) -> Result<()> {
 
 /// Of `tmcl`, but for where to draw to.
 fn arguments(figure: &Figure) -> Vec<String> {
-    let mut arguments = vec!["run".to_owned(), figure.program.display().to_string()];
+    let mut arguments = vec!["run".to_owned()];
+    arguments.extend(figure.program.as_ref().map(|program| program.display().to_string()));
     let mut option = |name: &str, value: &str| {
         arguments.extend([format!("--{name}"), value.to_owned()]);
     };
@@ -130,6 +134,9 @@ fn arguments(figure: &Figure) -> Vec<String> {
     option("every", &figure.every);
     if let Some(time) = &figure.plot_from {
         option("plot-from", time);
+    }
+    for command in &figure.exec {
+        option("exec", command);
     }
     for panel in &figure.panel {
         option("panel", panel);
@@ -205,7 +212,7 @@ mod tests {
         [[figure]]
         name = "b"
         title = "B"
-        program = "b.tmc"
+        exec = ["SAP 6, 0, 1", "SAP 7, 0, 1"]
         bench = "b.toml"
         for = "2s"
         every = "1ms"
@@ -218,6 +225,9 @@ mod tests {
         let expected = "run a.tmc --bench a.toml --title A --for 2s --every 1ms --plot-from 1s --panel x: y \
                         --expect y > 0 at end";
         assert_eq!(arguments(&list[0]).join(" "), expected);
+        let expected =
+            "run --bench b.toml --title B --for 2s --every 1ms --exec SAP 6, 0, 1 --exec SAP 7, 0, 1";
+        assert_eq!(arguments(&list[1]).join(" "), expected);
     }
 
     #[test]

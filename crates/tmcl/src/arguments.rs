@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Run a program on a virtual module and check what you expect of it
+    /// Run a program, or a bench alone, in virtual time and check what you expect of it
     Run(Run),
     /// Check a program for errors, and for what is hardly meant
     Check(Check),
@@ -123,19 +123,24 @@ pub(crate) enum Command {
 #[derive(Args)]
 #[command(
     after_help = "The run ends when every expectation is decided; when the program has stopped, all stands still and nothing \
-    is left that may still come true; or when the time is up. Without expectations and recordings it ends when the program stops. Expectations (docs/expectations.md): \"actual_position == 10000 within 2s\", \
+    is left that may still come true; or when the time is up. Without expectations and recordings it ends when the program stops. \
+    Without a program it ends when every expectation is decided, or when the time is up. Expectations (docs/expectations.md): \"actual_position == 10000 within 2s\", \
     \"output.3 rises\", \"never status_word & 0x200\", \"physical.rotor_turns > 4.9 at end\". Exits with 1 if one failed \
-    or the module refused an instruction, with 42 if one is undecided when the run ends."
+    or the module refused an instruction, with 42 if one is undecided when the run ends, with 4 if the module refused an --exec."
 )]
 pub(crate) struct Run {
-    /// The program; - is stdin
-    pub(crate) file: PathBuf,
+    /// The program; - is stdin; may be left out with --bench or --module: then the bench runs by itself
+    pub(crate) file: Option<PathBuf>,
     /// The module; without it, what a first line `//! module: …` says, or the bench's first, or tmcm-1311
     #[arg(long, value_parser = module_name::spec)]
     pub(crate) module: Option<&'static ModuleSpec>,
     /// The bench the module stands on (docs/bench-file.md); of several modules the first runs the program
     #[arg(long, value_name = "FILE")]
     pub(crate) bench: Option<PathBuf>,
+    /// Send this command to the first module before anything else, as `tmcl exec` does, such as 'SAP 140, 0, 8'; may be given
+    /// several times
+    #[arg(long, value_name = "COMMAND")]
+    pub(crate) exec: Vec<String>,
     /// How much virtual time may pass: 500ms, 10s, 1h
     #[arg(long = "for", value_name = "TIME", default_value = "10s", value_parser = duration)]
     pub(crate) duration: u64,

@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use clap::Args;
 use tmcl_client::{AnyLink, Client, ClientError, Parties, Settings};
+use tmcl_link::Link;
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::exit::{Code, Failure};
@@ -270,7 +271,7 @@ pub(crate) fn follow(client: &mut AnyClient, bank: u8, number: u8, value: i64) -
 }
 
 /// As [`failure`], with what went over the line.
-pub(crate) fn told(client: &AnyClient, error: &ClientError) -> Failure {
+pub(crate) fn told<L: Link>(client: &Client<L>, error: &ClientError) -> Failure {
     let failure = failure(error);
     match (error, client.last_exchange()) {
         (ClientError::Link(_), _) | (_, None) => failure,

@@ -5,7 +5,19 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use tmcl_link::{Link, LinkError};
-use virtual_bench::{Bench, ModuleId, PortId, TICK_NS};
+use tmcl_tables::GlobalParameter;
+use virtual_bench::{Bench, ModuleId, PortId, Probe, Quantity, TICK_NS};
+
+/// An address of a module, which its EEPROM may hold. A module without the parameter has the factory's for good.
+pub(crate) fn address(bench: &Bench, module: ModuleId, parameter: GlobalParameter) -> u8 {
+    let (bank, number) = parameter.address();
+    let is_there = bench.spec(module).is_some_and(|spec| spec.global_parameter(bank, number).is_some());
+    match parameter {
+        _ if is_there => bench.read(Probe { module, quantity: Quantity::Global(bank, number) }) as u8,
+        GlobalParameter::HostAddress => 2,
+        _ => 1,
+    }
+}
 
 /// The first port of a module on a bench that is owned or borrowed.
 pub(crate) struct VirtualLink<B> {

@@ -47,7 +47,7 @@ pub(crate) fn run(options: &Demo) -> Outcome {
         ModuleKind::Tmcm1640 => brushless::run(&config, first, options),
         ModuleKind::Tmcm1076 => {
             let message = "a TMCM-1076 has no motion commands to demonstrate: it follows pulses; \
-                           `tmcl serve --bench FILE` with a [module.step_dir] moves it";
+                           `tmcl run --bench FILE` with a [module.step_dir] moves it";
             Err(Failure::new(Code::Usage, message).into())
         }
     }

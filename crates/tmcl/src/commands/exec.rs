@@ -1,14 +1,11 @@
 //! `tmcl exec`: commands of direct mode, written as in a program.
 
-use std::io::BufRead;
-
 use clap::Args;
 
 use crate::connection::{ConnectionOptions, told};
-use crate::direct::{self, Answer, Entered, Exchange, Language, Prepared, Spoken};
+use crate::direct::{self, Answer, Exchange, Prepared};
 use crate::exit::{Code, Ending, Failure, Outcome};
 use crate::print;
-use crate::program::files;
 
 /// `tmcl exec`.
 #[derive(Args)]
@@ -30,9 +27,9 @@ pub(crate) struct Exec {
 
 /// Runs it.
 pub(crate) fn run(options: &Exec) -> Outcome {
-    let lines = lines(&options.commands)?;
+    let lines = direct::lines(&options.commands)?;
     let (mut client, module) = options.connection.connect()?;
-    let commands = understood(&lines, Language::of(module))?;
+    let commands = direct::understood(&lines, module)?;
     let mut exchanges = Vec::new();
     let mut ending = Ok(());
     for Prepared { request, doubts } in commands {
@@ -46,8 +43,7 @@ pub(crate) fn run(options: &Exec) -> Outcome {
         exchanges.push(Exchange::new(&client, request, &answer, module));
         if let Answer::Refused(status) = answer {
             let message = direct::refusal(&client, request, status, module);
-            let reason = if doubts.is_empty() { String::new() } else { format!("\n\n{}", doubts.trim_end()) };
-            ending = Err(Ending::Failure(Failure::new(Code::TmclStatus, message + &reason)));
+            ending = Err(Ending::Failure(Failure::new(Code::TmclStatus, message + &direct::reason(&doubts))));
             break;
         }
     }
@@ -66,46 +62,4 @@ fn print(exchanges: &[Exchange], json: bool) -> std::io::Result<()> {
         [it.command.clone(), it.sent.clone(), it.status_text(), it.value_text(), it.meaning.clone()]
     };
     print::listing(["command", "sent", "status", "value", "meaning"], exchanges.iter().map(row))
-}
-
-/// A line and where it stands.
-struct Line {
-    name: String,
-    number: usize,
-    text: String,
-}
-
-/// The commands of the command line; for a `-` among them, the lines of stdin.
-fn lines(commands: &[String]) -> Result<Vec<Line>, Failure> {
-    let mut lines = Vec::new();
-    for (index, command) in commands.iter().enumerate() {
-        if command == files::STANDARD {
-            for (index, text) in std::io::stdin().lock().lines().enumerate() {
-                let text =
-                    text.map_err(|error| Failure::new(Code::Usage, format!("cannot read <stdin>: {error}")))?;
-                lines.push(Line { name: "<stdin>".to_owned(), number: index + 1, text });
-            }
-        } else {
-            lines.push(Line { name: format!("<command {}>", index + 1), number: 1, text: command.clone() });
-        }
-    }
-    Ok(lines)
-}
-
-/// Every command, or everything that is wrong with them.
-fn understood(lines: &[Line], mut language: Language) -> Result<Vec<Prepared>, Failure> {
-    let mut commands = Vec::new();
-    let mut errors = String::new();
-    for Line { name, number, text } in lines {
-        match language.understand(Spoken { name, number: *number, text }) {
-            Ok(Entered::Command(command)) => commands.push(command),
-            Ok(Entered::Nothing) => {}
-            Err(text) => errors += &text,
-        }
-    }
-    if errors.is_empty() {
-        return Ok(commands);
-    }
-    anstream::eprint!("{errors}");
-    Err(Failure::new(Code::Usage, "nothing was sent"))
 }

@@ -1,7 +1,8 @@
 //! A command sent, and what came back.
 
 use serde::Serialize;
-use tmcl_client::{ClientError, Described};
+use tmcl_client::{Client, ClientError, Described};
+use tmcl_link::Link;
 use tmcl_tables::{Command, ModuleSpec, STATUSES, Status};
 use tmcl_wire::Request;
 
@@ -23,8 +24,19 @@ pub(crate) enum Answer {
     Refused(Status),
 }
 
-/// Sends a command in the way that its kind of reply wants. A refusal is an answer.
+/// As [`ask`], and goes on talking to a module that was told another address.
 pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, ClientError> {
+    let answer = ask(client, request)?;
+    if matches!(answer, Answer::Value(Status::Ok, _))
+        && request.command == Command::SetGlobalParameter.number()
+    {
+        follow(client, request.motor, request.kind, request.value.into())?;
+    }
+    Ok(answer)
+}
+
+/// Sends a command in the way that its kind of reply wants. A refusal is an answer.
+pub(crate) fn ask<L: Link>(client: &mut Client<L>, request: Request) -> Result<Answer, ClientError> {
     let answer = match Command::try_from(request.command) {
         Ok(Command::FirmwareVersion) if request.kind == 0 => client.version_string().map(Answer::Version),
         Ok(Command::ReadProgramMemory) => {
@@ -35,11 +47,6 @@ pub(crate) fn send(client: &mut AnyClient, request: Request) -> Result<Answer, C
         }
         _ => client.request(request).map(|reply| Answer::Value(reply.status, reply.value)),
     };
-    if let Ok(Answer::Value(Status::Ok, _)) = answer
-        && request.command == Command::SetGlobalParameter.number()
-    {
-        follow(client, request.motor, request.kind, request.value.into())?;
-    }
     match answer {
         Err(ClientError::Status { status, .. }) => Ok(Answer::Refused(status)),
         answer => answer,
@@ -77,8 +84,8 @@ pub(crate) struct Exchange {
 
 impl Exchange {
     /// Of the request that was sent last.
-    pub(crate) fn new(
-        client: &AnyClient,
+    pub(crate) fn new<L: Link>(
+        client: &Client<L>,
         request: Request,
         answer: &Answer,
         module: &'static ModuleSpec,

@@ -1,15 +1,15 @@
 //! Why a module refused a command, as far as the tables know.
 
-use tmcl_client::Described;
+use tmcl_client::{Client, Described};
+use tmcl_link::Link;
 use tmcl_tables::{Command, CommandSpec, ModuleSpec, MotorField, STATUSES, Status, TypeField, ValueField};
 use tmcl_wire::Request;
 
 use super::meaning;
-use crate::connection::AnyClient;
 
 /// What was sent, what came back, what that means, and which operand it is about.
-pub(crate) fn refusal(
-    client: &AnyClient,
+pub(crate) fn refusal<L: Link>(
+    client: &Client<L>,
     request: Request,
     status: Status,
     module: &'static ModuleSpec,

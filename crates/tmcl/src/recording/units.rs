@@ -141,7 +141,9 @@ impl Counting {
         match self {
             Self::Stepper => true,
             Self::Brushless => !OF_STEPPERS.contains(&unit),
-            Self::None => ["turn", "rpm"].contains(&unit),
+            Self::None => {
+                ["turn", "rpm"].contains(&unit) || !(ANGLES.contains(&unit) || VELOCITIES.contains(&unit))
+            }
         }
     }
 }
@@ -248,6 +250,12 @@ mod tests {
         assert_eq!(converted(6.0, Unit::Steps, "count", halls), Some(1024.0));
         for unit in ["turn", "count", "encoder step", "rpm", "A"] {
             assert!(Counting::Brushless.knows(unit), "{unit}");
+        }
+        for unit in ["turn", "rpm", "A", "Nm", "pulse"] {
+            assert!(Counting::None.knows(unit), "{unit}");
+        }
+        for unit in ["pps", "count", "full step"] {
+            assert!(!Counting::None.knows(unit), "{unit}");
         }
         for unit in OF_STEPPERS {
             assert!(!Counting::Brushless.knows(unit) && Counting::Stepper.knows(unit), "{unit}");

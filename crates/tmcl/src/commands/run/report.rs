@@ -15,6 +15,9 @@ use crate::print;
 use crate::program::diagnostics::DiagnosticJson;
 use crate::program::{Checked, diagnostics};
 
+/// The time between microsteps that a TMCM-1076 reads at standstill.
+const STANDSTILL_TSTEP: f64 = 1_048_575.0;
+
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -60,9 +63,10 @@ struct RefusalReport {
 /// The report of a run; its fields are the JSON's.
 #[derive(Serialize)]
 pub(super) struct Report<'a> {
-    program: String,
+    /// None where the bench ran by itself.
+    program: Option<String>,
     module: &'static str,
-    instructions: usize,
+    instructions: Option<usize>,
     #[serde(skip)]
     virtual_time_ns: u64,
     virtual_time_s: f64,
@@ -72,8 +76,8 @@ pub(super) struct Report<'a> {
     running: bool,
     /// Whether the module says that its motor moves.
     moving: bool,
-    /// The instruction that is executed, or would be next.
-    address: u16,
+    /// The instruction that is executed, or would be next; none without a program.
+    address: Option<u16>,
     at: Option<Place>,
     held: usize,
     failed: usize,
@@ -87,37 +91,36 @@ pub(super) struct Report<'a> {
 impl<'a> Report<'a> {
     pub(super) fn new(
         bench: &Bench,
-        checked: &'a Checked,
+        checked: Option<&'a Checked>,
         monitor: &Monitor,
         ended: Ended,
         elapsed: Duration,
     ) -> Self {
-        let assembly = &checked.assembly;
+        let assembly = checked.map(|checked| &checked.assembly);
         let vm = bench.program(MODULE);
-        let address = vm.map_or(0, virtual_bench::Vm::address);
+        let running = vm.is_some_and(|vm| vm.mode() == ProgramMode::Run);
+        let address = vm.filter(|_| running || checked.is_some()).map(virtual_bench::Vm::address);
         let virtual_time_s = seconds(bench.time_ns());
         Self {
             program: assembly
-                .sources
-                .iter()
-                .next()
-                .map_or_else(String::new, |(_, source)| source.name.clone()),
-            module: assembly.program.module.id,
-            instructions: assembly.program.instructions.len(),
+                .and_then(|assembly| assembly.sources.iter().next())
+                .map(|(_, source)| source.name.clone()),
+            module: bench.spec(MODULE).map_or("", |spec| spec.id),
+            instructions: assembly.map(|assembly| assembly.program.instructions.len()),
             virtual_time_ns: bench.time_ns(),
             virtual_time_s,
             times_real_time: virtual_time_s / elapsed.as_secs_f64().max(1e-9),
             ended,
-            running: vm.is_some_and(|vm| vm.mode() == ProgramMode::Run),
+            running,
             moving: is_moving(bench),
             address,
-            at: place(assembly, address),
+            at: assembly.zip(address).and_then(|(assembly, address)| place(assembly, address)),
             held: count(monitor, |outcome| matches!(outcome, Verdict::Held { .. })),
             failed: count(monitor, |outcome| matches!(outcome, Verdict::Failed { .. })),
             undecided: count(monitor, |outcome| matches!(outcome, Verdict::Undecided { .. })),
             expectations: monitor.verdicts().iter().map(expectation).collect(),
             refused: bench.refused_instructions(MODULE).map(|refused| refusal(assembly, refused)).collect(),
-            diagnostics: diagnostics::json(checked),
+            diagnostics: checked.map(diagnostics::json).unwrap_or_default(),
         }
     }
 
@@ -154,19 +157,28 @@ impl<'a> Report<'a> {
     }
 
     fn summary(&self) -> String {
+        let why = match self.ended {
+            Ended::Decided => Some("every expectation is decided".to_owned()),
+            Ended::ProgramStopped => None,
+            Ended::TimeUp => Some("the time is up".to_owned()),
+        };
+        let motor = (self.moving && !self.running).then(|| "the motor moves on".to_owned());
+        let said: Vec<String> = why.into_iter().chain(self.program_ended()).chain(motor).collect();
+        let time = shown_time(self.virtual_time_ns);
+        format!("{time} of virtual time on the {}: {}\n", self.module, said.join("; "))
+    }
+
+    /// Where the program is; without one, where one runs that the module had stored.
+    fn program_ended(&self) -> Option<String> {
+        if self.program.is_none() && !self.running {
+            return None;
+        }
         let place = match &self.at {
             Some(at) => format!("{}:{}", at.file, at.line),
-            None => format!("address {}", self.address),
+            None => format!("address {}", self.address?),
         };
         let program = if self.running { "still runs at" } else { "stopped at" };
-        let why = match self.ended {
-            Ended::Decided => "every expectation is decided; ",
-            Ended::ProgramStopped => "",
-            Ended::TimeUp => "the time is up; ",
-        };
-        let motor = if self.moving && !self.running { "; the motor moves on" } else { "" };
-        let time = shown_time(self.virtual_time_ns);
-        format!("{time} of virtual time on the {}: {why}the program {program} {place}{motor}\n", self.module)
+        Some(format!("the program {program} {place}"))
     }
 }
 
@@ -219,11 +231,11 @@ fn expectation(verdict: &virtual_bench::expect::Verdict) -> ExpectationReport {
     }
 }
 
-fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
+fn refusal(assembly: Option<&Assembly>, refused: RefusedInstruction) -> RefusalReport {
     let spec = STATUSES.iter().find(|spec| spec.status == refused.status);
     RefusalReport {
         address: refused.address,
-        place: place(assembly, refused.address),
+        place: assembly.and_then(|assembly| place(assembly, refused.address)),
         status: refused.status.number(),
         status_name: spec.map_or("", |spec| spec.name),
         count: refused.count,
@@ -231,13 +243,16 @@ fn refusal(assembly: &Assembly, refused: RefusedInstruction) -> RefusalReport {
     }
 }
 
-/// By its actual velocity, which every module has.
+/// By its actual velocity; where pulses move it, by the time between microsteps.
 fn is_moving(bench: &Bench) -> bool {
-    let parameters = bench.spec(MODULE).map_or(&[][..], |spec| spec.axis_parameters);
-    let velocity = parameters.iter().find(|parameter| parameter.id == "actual_velocity");
-    velocity.is_some_and(|velocity| {
-        bench.read(Probe { module: MODULE, quantity: Quantity::Parameter(velocity.number) }) != 0.0
-    })
+    let value = |id: &str| {
+        let parameter = bench.spec(MODULE)?.axis_parameters.iter().find(|parameter| parameter.id == id)?;
+        Some(bench.read(Probe { module: MODULE, quantity: Quantity::Parameter(parameter.number) }))
+    };
+    match value("actual_velocity") {
+        Some(velocity) => velocity != 0.0,
+        None => value("tstep").is_some_and(|clocks| clocks < STANDSTILL_TSTEP),
+    }
 }
 
 fn seconds(time_ns: u64) -> f64 {

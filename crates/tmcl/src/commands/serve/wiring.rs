@@ -2,11 +2,11 @@
 
 use tmcl_tables::GlobalParameter;
 use virtual_bench::config::{Interface, ModuleConfig};
-use virtual_bench::{Bench, BenchConfig, ModuleId, PORTS, Probe, Quantity, Wiring};
+use virtual_bench::{Bench, BenchConfig, PORTS, Wiring};
 
 use crate::arguments::{Baud, Serve};
 use crate::exit::{Code, Failure};
-use crate::print;
+use crate::{print, virtual_link};
 
 /// The rate of a terminal that nobody has set, as of a module that nobody has.
 const DEFAULT_BAUD: u32 = 9600;
@@ -80,8 +80,8 @@ impl Lines {
             .zip(&config.modules)
             .map(|(id, module)| Member {
                 name: &module.name,
-                address: read(bench, id, address),
-                host: read(bench, id, host),
+                address: virtual_link::address(bench, id, address),
+                host: virtual_link::address(bench, id, host),
             })
             .collect();
         for (index, member) in members.iter().enumerate() {
@@ -133,9 +133,9 @@ impl Lines {
 /// A module on the bus.
 struct Member<'m> {
     name: &'m str,
-    address: i64,
+    address: u8,
     /// Where its replies go.
-    host: i64,
+    host: u8,
 }
 
 impl Member<'_> {
@@ -149,11 +149,6 @@ fn warn_of_rate(name: &str, module: Option<u32>, line: u32) {
     if let Some(module) = module.filter(|module| *module != line) {
         print::note(&format!("{name} is at {module} baud (GP 65), the line at {line}: it hears nothing"));
     }
-}
-
-fn read(bench: &Bench, module: ModuleId, parameter: GlobalParameter) -> i64 {
-    let (bank, number) = parameter.address();
-    bench.read(Probe { module, quantity: Quantity::Global(bank, number) }) as i64
 }
 
 /// Each pseudo terminal and CAN bus holds a port of the modules, and TCP clients want one too.
