@@ -14,6 +14,7 @@ use crate::workspace_root;
 
 const TARGET: &str = "thumbv7m-none-eabi";
 const QEMU: &str = "qemu-system-arm";
+const MISSING_QEMU: &str = "qemu-system-arm is missing: `apt-get install qemu-system-arm` (Debian, Ubuntu), `brew install qemu` (macOS)";
 
 /// Debian's compiler, and the sources that come beside it.
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
@@ -83,6 +84,12 @@ fn toolchain() -> Result<Toolchain> {
         "no compiler for {TARGET}: `rustup target add {TARGET}`, or on Debian `apt-get install {}`",
         missing.join(" ")
     )
+}
+
+/// Says what is missing where there is no emulator.
+pub(crate) fn emulator() -> Result<()> {
+    let version = Command::new(QEMU).arg("--version").stdout(Stdio::null()).status();
+    version.map(drop).context(MISSING_QEMU)
 }
 
 fn image(name: &str) -> PathBuf {
@@ -222,7 +229,7 @@ pub(crate) fn run(module: &str) -> Result<()> {
         .args(["-chardev", "stdio,id=harness,signal=off", "-serial", "chardev:harness"])
         .stdin(Stdio::piped())
         .spawn()
-        .with_context(|| format!("{QEMU} is missing: `apt-get install qemu-system-arm` (Debian, Ubuntu)"))?;
+        .context(MISSING_QEMU)?;
     // F: time runs. The pipe stays open as long as QEMU runs.
     let mut harness = qemu.stdin.take().context("QEMU's input")?;
     harness.write_all(b"F").context("telling the harness that time runs")?;

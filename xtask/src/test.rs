@@ -76,19 +76,13 @@ fn firmware() -> Result<()> {
     let folder = workspace_root().join("firmware");
     let run = |arguments: &[&str]| check_in(&folder, Command::new(env!("CARGO")).args(arguments));
     run(&["fmt", "--all", "--check"])?;
+    images::emulator()?;
     images::build()?;
     run(&["test", "--package", "module-storage"])?;
-    let package = [
-        "--package",
-        "emulated-module",
-        "--features",
-        "emulator",
-        "--test",
-        "emulated_chips",
-        "--test",
-        "power_cuts",
-    ];
-    cargo(&["test", "--profile", PROFILE].into_iter().chain(package).collect::<Vec<_>>())
+    // Of the whole workspace, as the step "tests" builds it: nothing is compiled twice.
+    let tests =
+        ["--features", "emulated-module/emulator", "--test", "emulated_chips", "--test", "power_cuts"];
+    cargo(&["test", "--profile", PROFILE, "--workspace"].into_iter().chain(tests).collect::<Vec<_>>())
 }
 
 /// PyTrinamic, unmodified, against `tmcl serve`, in a virtual environment under `target/`.
