@@ -7,7 +7,7 @@ mod common;
 use emulated_module::{Counting, EmulatedChip, play};
 
 /// Instructions of a control period at most. The aim is 2400, of the 3600 cycles at 72 MHz with 1.5 cycles an instruction; one
-/// session is above it, closed loop where the I²t window and the brake fall into one period (2962).
+/// session is above it, closed loop where the I²t window and the brake fall into one period (2955).
 const BUDGET: u64 = 3000;
 
 /// Bytes of RAM at most: what is static, and the stack at its deepest; the images with physics need more.
