@@ -1,6 +1,6 @@
 //! Modules on an emulated chip, and sessions that are played against them and against virtual modules alike.
 //!
-//! A [`Session`] says which bytes arrive at which port at which tick, and which leave. [`play`] gives its inputs to a
+//! A [`Session`] says which bytes arrive at which port at which tick, and which leave. [`play()`] gives its inputs to a
 //! [`Target`] and returns the session as it went there: a [`VirtualTarget`] in this process, or an [`EmulatedChip`], which is
 //! QEMU with an image of `firmware/mps2-an385`.
 #![allow(
