@@ -17,7 +17,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-vm", &["tmcl-tables", "tmcl-wire"]),
     ("tmcl-lang", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
-    ("virtual-bench", &["tmcl-tables", "tmcl-wire", "module-firmware", "driver-chips", "motor-physics"]),
+    ("bench-hardware", &["module-firmware", "driver-chips", "motor-physics"]),
+    (
+        "virtual-bench",
+        &["tmcl-tables", "tmcl-wire", "module-firmware", "bench-hardware", "driver-chips", "motor-physics"],
+    ),
     ("tmcl-link", &[]),
     ("tmcl-client", &["tmcl-tables", "tmcl-wire", "tmcl-link"]),
     ("tmcl-config", &["tmcl-tables"]),
@@ -35,6 +39,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-bench",
         ],
     ),
+    ("emulated-module", &["module-firmware", "virtual-bench"]),
     ("xtask", &[]),
 ];
 
@@ -47,6 +52,7 @@ const NO_STD: &[&str] = &[
     "tmcl-wire",
     "tmcl-vm",
     "module-firmware",
+    "bench-hardware",
 ];
 
 /// What the `no_std` crates may import from outside.

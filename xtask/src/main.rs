@@ -3,6 +3,7 @@
 
 mod codegen;
 mod figures;
+mod firmware;
 mod layering;
 mod program;
 mod test;
@@ -38,6 +39,15 @@ enum Chore {
         #[arg(long)]
         check: bool,
     },
+    /// Build the modules' images for a Cortex-M3, and report what they take
+    Firmware {
+        /// Run one on an emulated chip: the physics of the default bench around it, its port at tcp://127.0.0.1:5311
+        #[arg(long)]
+        run: bool,
+        /// Which module runs
+        #[arg(long, default_value = "tmcm-1311", value_parser = firmware::MODULES)]
+        module: String,
+    },
     /// Check that crates import only what ARCHITECTURE.md lets them
     Layering,
 }
@@ -47,6 +57,9 @@ fn main() -> std::process::ExitCode {
         Chore::Test { only } => test::run(only.as_deref()),
         Chore::Codegen { check } => codegen::run(mode(check)),
         Chore::Figures { check } => figures::run(mode(check)),
+        Chore::Firmware { run, module } => {
+            firmware::build().and_then(|()| if run { firmware::run(&module) } else { Ok(()) })
+        }
         Chore::Layering => layering::run(),
     };
     match outcome {

@@ -1,13 +1,13 @@
 //! `cargo xtask test`: every check in order, each with its time, and a summary at the end.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 
 use crate::program::{self, PROFILE};
-use crate::{codegen, figures, layering, workspace_root};
+use crate::{codegen, figures, firmware as images, layering, workspace_root};
 
 /// A step: its name and what it does.
 type Step = (&'static str, fn() -> Result<()>);
@@ -20,6 +20,7 @@ const STEPS: &[Step] = &[
     ("tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--all-targets"])),
     ("doc tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--doc"])),
     ("documentation", documentation),
+    ("firmware", firmware),
     ("figures", || figures::run(codegen::Mode::Check)),
     ("real clients", real_clients),
     ("fuzz", fuzz),
@@ -68,6 +69,20 @@ fn documentation() -> Result<()> {
             .args(["doc", "--workspace", "--no-deps", "--document-private-items"])
             .env("RUSTDOCFLAGS", "-D warnings -A rustdoc::private_intra_doc_links"),
     )
+}
+
+/// The images, what they take, their storage, and sessions on an emulated chip.
+fn firmware() -> Result<()> {
+    let folder = workspace_root().join("firmware");
+    let run = |arguments: &[&str]| check_in(&folder, Command::new(env!("CARGO")).args(arguments));
+    run(&["fmt", "--all", "--check"])?;
+    images::emulator()?;
+    images::build()?;
+    run(&["test", "--package", "module-storage"])?;
+    // Of the whole workspace, as the step "tests" builds it: nothing is compiled twice.
+    let tests =
+        ["--features", "emulated-module/emulator", "--test", "emulated_chips", "--test", "power_cuts"];
+    cargo(&["test", "--profile", PROFILE, "--workspace"].into_iter().chain(tests).collect::<Vec<_>>())
 }
 
 /// PyTrinamic, unmodified, against `tmcl serve`, in a virtual environment under `target/`.
@@ -134,9 +149,12 @@ fn fuzz() -> Result<()> {
 }
 
 fn check(command: &mut Command) -> Result<()> {
+    check_in(&workspace_root(), command)
+}
+
+fn check_in(folder: &Path, command: &mut Command) -> Result<()> {
     let shown = format!("{command:?}");
-    let status =
-        command.current_dir(workspace_root()).status().with_context(|| format!("starting {shown}"))?;
+    let status = command.current_dir(folder).status().with_context(|| format!("starting {shown}"))?;
     if !status.success() {
         bail!("{shown} ended with {status}");
     }

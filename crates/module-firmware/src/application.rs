@@ -107,11 +107,11 @@ impl<A: Axis> Firmware<A> {
     }
 
     pub(crate) fn program_status(&self) -> ProgramStatus {
-        let last = self.programs.instructions().len().saturating_sub(1);
+        let last = self.programs.length().saturating_sub(1);
         ProgramStatus {
             mode: self.vm.mode().number(),
             // A program that ran past the end stands at the last instruction for those who ask.
-            address: self.vm.address().min(u16::try_from(last).unwrap_or(u16::MAX)),
+            address: self.vm.address().min(last),
             downloading: self.download.is_some(),
         }
     }

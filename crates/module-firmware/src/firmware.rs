@@ -44,10 +44,7 @@ pub struct Firmware<A: Axis> {
 impl<A: Axis> Firmware<A> {
     /// A module with these settings; [`Firmware::power_on`] reads them from storage.
     pub(crate) fn with(axis: A, globals: Globals, coordinates: Coordinates) -> Self {
-        let rates = Rates::new(
-            globals.setting(GlobalParameter::BaudRate),
-            globals.setting(GlobalParameter::CanBitRate),
-        );
+        let rates = Rates::of(&globals);
         Self {
             axis,
             globals,

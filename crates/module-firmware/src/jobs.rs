@@ -147,13 +147,4 @@ impl<A: Axis> Firmware<A> {
         }
         Ok(Progress::Done)
     }
-
-    /// As after power-on, but for replies that are still on their way out and the rates they leave at.
-    fn restart<S: Storage>(&mut self, storage: &mut S) {
-        let mut ports = self.ports.clone();
-        ports.iter_mut().for_each(|port| port.restart(self.ticks));
-        let (rates, instructions_per_tick) = (self.rates, self.instructions_per_tick);
-        *self = Self { ports, rates, instructions_per_tick, ..Self::power_on(storage) };
-        self.start_ports();
-    }
 }

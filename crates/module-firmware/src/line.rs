@@ -5,6 +5,7 @@ use tmcl_wire::serial::DATAGRAM_LENGTH;
 
 use crate::axis::Axis;
 use crate::firmware::Firmware;
+use crate::globals::Globals;
 use crate::port::PortId;
 use crate::{TICKS_PER_MS, TICKS_PER_SECOND};
 
@@ -45,6 +46,11 @@ pub(crate) struct Rates {
 impl Rates {
     pub(crate) fn new(baud: i32, can: i32) -> Self {
         Self { baud, can, awaits: None }
+    }
+
+    /// As the settings say.
+    pub(crate) fn of(globals: &Globals) -> Self {
+        Self::new(globals.setting(GlobalParameter::BaudRate), globals.setting(GlobalParameter::CanBitRate))
     }
 
     /// A change, if there is one, waits for what this port has to say.

@@ -1,12 +1,15 @@
 //! Power-on: factory settings, then what the storage holds over them.
 
 use tmcl_tables::{GlobalParameter, ParameterSpec};
+use tmcl_vm::Vm;
 
 use crate::axis::Axis;
 use crate::coordinates::{self, Coordinates};
 use crate::download::READ_PROTECTION;
+use crate::events::Sources;
 use crate::firmware::Firmware;
 use crate::globals::{Globals, MAGIC, VARIABLE_BANK};
+use crate::line::Rates;
 use crate::program_memory::ProgramMemory;
 use crate::storage::{RecordKey, Storage, read_value, write_value};
 
@@ -16,30 +19,67 @@ impl<A: Axis> Firmware<A> {
     /// A magic number (global parameter 64) other than 228 makes it forget everything stored first. If the power fails
     /// while it does, the number is still wrong at the next power-on, and it begins again.
     pub fn power_on<S: Storage>(storage: &mut S) -> Self {
+        let mut firmware = Self::with(A::default(), Globals::new(A::SPEC), Coordinates::new());
+        firmware.restore(storage);
+        firmware.rates = Rates::of(&firmware.globals);
+        firmware
+    }
+
+    /// As after power-on, but for what still leaves the ports and the rates it leaves at. In place: a module is larger than
+    /// the stack of its controller.
+    pub(crate) fn restart<S: Storage>(&mut self, storage: &mut S) {
+        let Self {
+            axis,
+            globals: _,
+            coordinates: _,
+            vm,
+            programs: _,
+            download,
+            program_job,
+            refusal,
+            sources,
+            instructions_per_tick: _,
+            executed,
+            ticks,
+            ports,
+            starts_in_ascii: _,
+            rates: _,
+            heartbeat: _,
+            pending,
+            upkeep,
+        } = self;
+        ports.iter_mut().for_each(|port| port.restart(*ticks));
+        *axis = A::default();
+        *vm = Vm::default();
+        *sources = Sources::default();
+        (*download, *program_job, *refusal) = (None, None, None);
+        (*pending, *upkeep) = (None, None);
+        (*executed, *ticks) = (0, 0);
+        self.restore(storage);
+    }
+
+    /// Puts what is stored over the factory settings.
+    fn restore<S: Storage>(&mut self, storage: &mut S) {
         forget_if_magic_is_wrong(storage);
-        let globals = restored_globals::<A, S>(storage);
-        let coordinates = restored_coordinates(&globals, storage);
-        let mut firmware = Self::with(A::default(), globals, coordinates);
+        self.globals = restored_globals::<A, S>(storage);
+        self.coordinates = restored_coordinates(&self.globals, storage);
         for parameter in A::SPEC.axis_parameters.iter().filter(|parameter| parameter.access.store) {
             if let Some((parameter, stored, default)) =
                 stored_axis_parameter::<A, S>(parameter.number, storage)
             {
-                firmware.axis.restore_at_power_on(parameter, stored, default);
+                self.axis.restore_at_power_on(parameter, stored, default);
             }
         }
-        firmware
-            .axis
-            .set_end_switch_polarity(firmware.globals.setting(GlobalParameter::EndSwitchPolarity) != 0);
+        self.axis.set_end_switch_polarity(self.globals.setting(GlobalParameter::EndSwitchPolarity) != 0);
         // A program that cannot be read is none: all STOP.
-        if storage.read_program(firmware.programs.instructions_mut()).is_err() {
-            firmware.programs.erase();
+        if self.programs.restore(storage).is_err() {
+            self.programs.erase();
         }
-        if firmware.globals.setting(GlobalParameter::AutoStart) != 0 {
-            firmware.vm.run_from(0);
+        if self.globals.setting(GlobalParameter::AutoStart) != 0 {
+            self.vm.run_from(0);
         }
-        firmware.restart_heartbeat();
-        firmware.start_ports();
-        firmware
+        self.restart_heartbeat();
+        self.start_ports();
     }
 
     /// Puts a stored axis parameter back, or its default where none is stored or what is stored is out of range.

@@ -60,9 +60,8 @@ impl I2t {
 
     /// Another window: the sum begins anew where it differs, since parts of other lengths do not fit. The flag stays.
     pub fn set_window(&mut self, window_ticks: u64) {
-        let fresh = Self::new(window_ticks);
-        if fresh.window_ticks != self.window_ticks {
-            *self = Self { flagged: self.flagged, ..fresh };
+        if window_ticks.max(SHORTEST_WINDOW) != self.window_ticks {
+            *self = Self { flagged: self.flagged, ..Self::new(window_ticks) };
         }
     }
 

@@ -49,7 +49,8 @@ impl ValueSet {
     /// Whether `value` is in the set.
     #[must_use]
     pub fn contains(&self, value: i64) -> bool {
-        value % self.step == 0 && self.intervals.iter().any(|&(low, high)| (low..=high).contains(&value))
+        (self.step == 1 || value.checked_rem(self.step) == Some(0))
+            && self.intervals.iter().any(|&(low, high)| (low..=high).contains(&value))
     }
 }
 

@@ -9,18 +9,19 @@ use module_firmware::{PORTS, PortId, Vm};
 use tmcl_tables::ModuleSpec;
 
 use crate::TICK_NS;
-use crate::bldc_bench::BldcBench;
 use crate::bus::Bus;
 use crate::config::{BenchConfig, Event, ModuleConfig, Power, Setting, Wire, WireEnd};
 use crate::eeprom::Eeprom;
-use crate::hardware::Physical;
 use crate::kind::ModuleKind;
 use crate::module::{Module, VirtualModule};
+use crate::parts;
 use crate::presets::presets;
 use crate::probe::{self, Probe, ProbeError, Quantity};
 use crate::refusals::RefusedInstruction;
 use crate::step_bench::StepBench;
-use crate::stepper_bench::StepperBench;
+use bench_hardware::BldcBench;
+use bench_hardware::Physical;
+use bench_hardware::StepperBench;
 
 /// The banks of ports that wires join.
 const INPUTS: u8 = 0;
@@ -409,12 +410,18 @@ fn slot(config: &ModuleConfig, bench: &BenchConfig, eeprom: Option<Eeprom>) -> S
     let presets = presets(config, bench.bus.interface);
     let pace = config.instructions_per_tick;
     let module = match config.kind {
-        ModuleKind::Tmcm1311 => {
-            AnyModule::Tmcm1311(Box::new(Module::new(StepperBench::new(config), eeprom, &presets, pace)))
-        }
-        ModuleKind::Tmcm1640 => {
-            AnyModule::Tmcm1640(Box::new(Module::new(BldcBench::new(config), eeprom, &presets, pace)))
-        }
+        ModuleKind::Tmcm1311 => AnyModule::Tmcm1311(Box::new(Module::new(
+            StepperBench::new(&parts::stepper(config)),
+            eeprom,
+            &presets,
+            pace,
+        ))),
+        ModuleKind::Tmcm1640 => AnyModule::Tmcm1640(Box::new(Module::new(
+            BldcBench::new(&parts::brushless(config)),
+            eeprom,
+            &presets,
+            pace,
+        ))),
         ModuleKind::Tmcm1076 => {
             AnyModule::Tmcm1076(Box::new(Module::new(StepBench::new(config), eeprom, &presets, pace)))
         }

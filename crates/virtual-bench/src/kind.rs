@@ -1,5 +1,6 @@
 //! The kinds of modules that the bench can build.
 
+use bench_hardware::MotorFamily;
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 /// A kind of module.
@@ -11,15 +12,6 @@ pub enum ModuleKind {
     Tmcm1640,
     /// The TMCM-1076, which makes a stepper follow step and direction pulses.
     Tmcm1076,
-}
-
-/// A kind of motor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MotorFamily {
-    /// Two-phase hybrid steppers.
-    Stepper,
-    /// Three-phase brushless motors.
-    Brushless,
 }
 
 /// The tables know this module, but there is no virtual one yet; the kinds there are stand in [`ModuleKind::ALL`].

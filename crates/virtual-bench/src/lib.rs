@@ -6,29 +6,24 @@
 //! This crate must never know sockets, threads, files or wall-clock time.
 
 mod bench;
-mod bench_parts;
-mod bldc_bench;
 mod bus;
 pub mod config;
 pub mod eeprom;
 pub mod expect;
-mod hardware;
 mod kind;
 mod module;
+mod parts;
 mod presets;
 mod probe;
-mod pulse_source;
 mod refusals;
 mod step_bench;
-mod stepper_bench;
-mod stepper_stage;
 mod trace;
 
 pub use bench::{Bench, ModuleId};
+pub use bench_hardware::Physical;
 pub use bus::Wiring;
 pub use config::BenchConfig;
 pub use eeprom::Eeprom;
-pub use hardware::Physical;
 pub use kind::{ModuleKind, UnknownModuleKind};
 pub use module_firmware::{
     ERASED, Instruction, PORTS, PortId, ProgramMode, RecordKey, Storage, StorageError, Vm,

@@ -7,8 +7,8 @@ use tmcl_wire::can::Frame;
 use crate::TICK_NS;
 use crate::config::{Power, Setting};
 use crate::eeprom::Eeprom;
-use crate::hardware::{Hardware, Physical, PulseLevels};
 use crate::refusals::Refusals;
+use bench_hardware::{Hardware, Physical, PulseLevels, Surroundings};
 
 /// What the bench does with a module of any kind.
 pub(crate) trait VirtualModule {
@@ -68,20 +68,6 @@ pub(crate) trait VirtualModule {
     fn refusals(&self) -> &Refusals;
     /// The program's registers, flags and stack.
     fn program(&self) -> &Vm;
-}
-
-/// Hardware whose surroundings the bench can change.
-pub(crate) trait Surroundings {
-    /// Changes something about them.
-    fn apply(&mut self, setting: Setting);
-    /// The raw count of the encoder.
-    fn encoder_counts(&self) -> i32;
-    /// Pulses at the step/direction connector, those to the right less those to the left.
-    fn step_pulses(&self) -> i64;
-    /// Levels that wires drive at STEP and DIR; low where none does.
-    fn pulse_levels(&self) -> PulseLevels {
-        PulseLevels::default()
-    }
 }
 
 /// A module on the bench.

@@ -6,8 +6,9 @@ use tmcl_tables::{GlobalParameter, GlobalSpec, ModuleSpec};
 
 use crate::bench::ModuleId;
 use crate::config::suggest;
-use crate::hardware::Physical;
-use crate::kind::{ModuleKind, MotorFamily};
+use crate::kind::ModuleKind;
+use bench_hardware::MotorFamily;
+use bench_hardware::Physical;
 
 /// Something to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

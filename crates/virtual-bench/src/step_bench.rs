@@ -13,11 +13,12 @@ use driver_chips::tmc5160::{
 use module_firmware::tmcm_1076::{Drive, Sensed};
 
 use crate::TICK_NS;
-use crate::bench_parts::{PERIOD_S, levels};
 use crate::config::ModuleConfig;
-use crate::hardware::{Hardware, Physical};
-use crate::pulse_source::PulseSource;
-use crate::stepper_stage::StepperStage;
+use crate::parts::{self, levels};
+use bench_hardware::PERIOD_S;
+use bench_hardware::PulseSource;
+use bench_hardware::StepperStage;
+use bench_hardware::{Hardware, Physical};
 use lines::Lines;
 
 /// The TMCM-1076's power stage: the current scale n makes n/31 of 3 A RMS (TMCM-1076 §4, §5.2).
@@ -50,10 +51,11 @@ pub(crate) struct StepBench {
 impl StepBench {
     /// Everything at rest, the shaft at 0.
     pub(crate) fn new(config: &ModuleConfig) -> Self {
+        let motor = parts::stepper_motor(config);
         let mut bench = Self {
             chip: Tmc5160::new(BOARD),
-            stage: StepperStage::new(config),
-            pulses: PulseSource::connected(&config.step_dir),
+            stage: StepperStage::new(&parts::common(config, motor.rotor_inertia_kgm2), motor),
+            pulses: PulseSource::connected(&parts::pulses(&config.step_dir)),
             lines: Lines::playing(&config.step_dir.edges),
             edges: Vec::new(),
             inputs: levels(&config.inputs),

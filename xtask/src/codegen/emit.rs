@@ -61,17 +61,17 @@ fn commands(commands: &[Command]) -> String {
             .iter()
             .map(|named| {
                 format!(
-                    "NamedType {{ value: {}, id: {:?}, keyword: {:?}, name: {:?} }}",
+                    "NamedType {{ value: {}, id: {:?}, keyword: {:?}, name: text({:?}) }}",
                     named.value, named.id, named.keyword, named.name
                 )
             })
             .collect();
         let _ = writeln!(
             text,
-            "CommandSpec {{ command: Command::{}, number: {}, mnemonic: {:?}, id: {:?}, name: {:?}, summary: {:?}, \
+            "CommandSpec {{ command: Command::{}, number: {}, mnemonic: {:?}, id: text({:?}), name: text({:?}), summary: text({:?}), \
              group: Group::{}, operands: &[{}], type_field: TypeField::{}, motor_field: MotorField::{}, \
              value_field: ValueField::{}, types: &[{}], modes: Modes {{ direct: {}, program: {} }}, \
-             starts_motion: {}, repeat_safe: {}, note: {:?} }},",
+             starts_motion: {}, repeat_safe: {}, note: text({:?}) }},",
             camel(&command.id),
             command.number,
             command.mnemonic,
@@ -112,7 +112,7 @@ fn family(tables: &Tables) -> String {
     for status in &tables.statuses {
         let _ = writeln!(
             text,
-            "StatusSpec {{ status: Status::{}, id: {:?}, name: {:?}, summary: {:?} }},",
+            "StatusSpec {{ status: Status::{}, id: text({:?}), name: text({:?}), summary: text({:?}) }},",
             camel(&status.id),
             status.id,
             status.name,
@@ -195,7 +195,7 @@ fn module_file(tables: &Tables, module: &Module) -> String {
             entry.types.clone().unwrap_or_else(|| command.types.iter().map(|named| named.value).collect());
         let _ = writeln!(
             text,
-            "ModuleCommand {{ spec: &commands::COMMANDS[{index}], section: {:?}, types: &{types:?}, modes: Modes {{ direct: {}, program: {} }}, beyond_manual: {:?} }},",
+            "ModuleCommand {{ spec: &commands::COMMANDS[{index}], section: text({:?}), types: &{types:?}, modes: Modes {{ direct: {}, program: {} }}, beyond_manual: text({:?}) }},",
             entry.section,
             has_mode(command, "direct"),
             has_mode(command, "program") && module.identity.program_memory > 0,
@@ -220,7 +220,7 @@ fn module_file(tables: &Tables, module: &Module) -> String {
     for entry in port {
         let _ = writeln!(
             text,
-            "PortSpec {{ bank: {}, number: {}, id: {:?}, name: {:?}, direction: Direction::{}, range: {}, unit: {:?}, section: {:?} }},",
+            "PortSpec {{ bank: {}, number: {}, id: text({:?}), name: text({:?}), direction: Direction::{}, range: {}, unit: text({:?}), section: text({:?}) }},",
             entry.bank,
             entry.number,
             entry.id,
@@ -236,7 +236,7 @@ fn module_file(tables: &Tables, module: &Module) -> String {
     for entry in &module.identity.interrupt {
         let _ = writeln!(
             text,
-            "InterruptSpec {{ interrupt: Interrupt::{}, number: {}, id: {:?}, name: {:?}, symbol: {:?}, parameter: {:?}, section: {:?} }},",
+            "InterruptSpec {{ interrupt: Interrupt::{}, number: {}, id: text({:?}), name: text({:?}), symbol: text({:?}), parameter: {:?}, section: text({:?}) }},",
             camel(&entry.id),
             entry.number,
             entry.id,
@@ -253,7 +253,7 @@ fn spec(module: &Module) -> String {
     let identity = &module.identity;
     format!(
         "/// Everything the tables say about the {}.\npub static SPEC: ModuleSpec = ModuleSpec {{ name: {:?}, id: {:?}, number: {}, \
-         version_string: {:?}, firmware: ({}, {}), summary: {:?}, interfaces: &{:?}, program_memory: {}, coordinates: {}, \
+         version_string: {:?}, firmware: ({}, {}), summary: text({:?}), interfaces: list(&{:?}), program_memory: {}, coordinates: {}, \
          commands: &COMMANDS, axis_parameters: &AXIS_PARAMETERS, global_parameters: &GLOBAL_PARAMETERS, ports: &PORTS, \
          interrupts: &INTERRUPTS }};\n\n",
         identity.name,
@@ -292,7 +292,7 @@ fn parameter(entry: &Parameter) -> String {
         .iter()
         .map(|named| {
             format!(
-                "NamedValue {{ value: {}, write: {}, id: {:?}, name: {:?} }}",
+                "NamedValue {{ value: {}, write: {}, id: text({:?}), name: text({:?}) }}",
                 named.value,
                 named.write.unwrap_or(named.value),
                 named.id,
@@ -305,16 +305,16 @@ fn parameter(entry: &Parameter) -> String {
         .iter()
         .map(|field| {
             format!(
-                "BitField {{ id: {:?}, low: {}, high: {}, name: {:?} }}",
+                "BitField {{ id: text({:?}), low: {}, high: {}, name: text({:?}) }}",
                 field.id, field.bits[0], field.bits[1], field.name
             )
         })
         .collect();
     format!(
-        "ParameterSpec {{ number: {}, name: {:?}, id: {:?}, summary: {:?}, unit: {:?}, closed_loop_unit: {:?}, \
+        "ParameterSpec {{ number: {}, name: text({:?}), id: text({:?}), summary: text({:?}), unit: text({:?}), closed_loop_unit: text({:?}), \
          range: {}, range_from: {}, write_range: {}, default: {}, default_from: {}, \
-         access: Access {{ read: {}, write: {}, store: {} }}, role: Role::{:?}, unsigned: {}, values: &[{}], fields: &[{}], \
-         starts_motion: {}, repeat_safe: {}, section: {:?}, beyond_manual: {:?}, note: {:?} }}",
+         access: Access {{ read: {}, write: {}, store: {} }}, role: Role::{:?}, unsigned: {}, values: list(&[{}]), fields: list(&[{}]), \
+         starts_motion: {}, repeat_safe: {}, section: text({:?}), beyond_manual: text({:?}), note: text({:?}) }}",
         entry.number,
         entry.name,
         entry.id,

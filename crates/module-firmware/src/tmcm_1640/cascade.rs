@@ -65,7 +65,7 @@ impl Tmcm1640 {
         let (wanted_rpm, brakes_at_once) = match self.mode {
             RegulationMode::Position => (self.positioning_rpm(ramped), true),
             RegulationMode::Velocity | RegulationMode::Torque => {
-                (self.target_velocity.clamp(-largest_rpm, largest_rpm), false)
+                (self.target_velocity.min(largest_rpm).max(-largest_rpm), false)
             }
         };
         let ramp = &mut self.regulation.ramp;

@@ -296,7 +296,7 @@ fn later(due: u32, ticks: u64, interval: u32) -> u32 {
     match u64::from(due).checked_sub(ticks) {
         Some(left) => left as u32, // no more than it was
         None => {
-            let beyond = (ticks - u64::from(due) - 1) % u64::from(interval);
+            let beyond = (ticks - u64::from(due) - 1).checked_rem(interval.into()).unwrap_or(0);
             interval - 1 - beyond as u32 // less than the interval
         }
     }

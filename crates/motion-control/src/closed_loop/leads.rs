@@ -115,7 +115,7 @@ impl Leads {
     /// The virtual position gives way to an overload: it gets no further from the rotor than `window`, in µsteps.
     pub fn give_way(&mut self, window: i64) {
         let wanted = self.ramp;
-        self.ramp = wanted.clamp(-window, window);
+        self.ramp = wanted.min(window).max(-window);
         self.given_way = self.given_way.saturating_add(wanted.saturating_sub(self.ramp));
     }
 
@@ -135,7 +135,7 @@ impl Leads {
         let lag = self.ramp.saturating_sub(self.field.div_euclid(UNITS_PER_STEP));
         let largest = i64::from(correction.max_velocity_pps) * UNITS_PER_PPS;
         let wanted = ramp_units.saturating_add(correction.velocity_pps(lag).saturating_mul(UNITS_PER_PPS));
-        self.point(self.field.saturating_add(wanted.clamp(-largest, largest)), limits);
+        self.point(self.field.saturating_add(wanted.min(largest).max(-largest)), limits);
     }
 
     /// The field stands at the virtual position, which gives way to an overload, so that none is made up for later (velocity
@@ -156,7 +156,7 @@ impl Leads {
 
     fn point(&mut self, field: i64, limits: LeadLimits) {
         let units = |microsteps| i64::from(microsteps) * UNITS_PER_STEP;
-        self.field = field.clamp(units(limits.lowest), units(limits.highest));
+        self.field = field.min(units(limits.highest)).max(units(limits.lowest));
     }
 }
 

@@ -68,9 +68,11 @@ fn rounded(dividend: i64, divisor: i64) -> i64 {
 /// Quotient, rounded down, and remainder, for a divisor above 0. What is divided in a control period mostly fits 32 bits, which
 /// a Cortex-M3 has an instruction for.
 fn divided(dividend: i64, divisor: i64) -> (i64, i64) {
+    let divisor = divisor.max(1);
     match (i32::try_from(dividend), i32::try_from(divisor)) {
         (Ok(dividend), Ok(divisor)) => {
-            (dividend.div_euclid(divisor).into(), dividend.rem_euclid(divisor).into())
+            let quotient = dividend.checked_div_euclid(divisor).unwrap_or(0);
+            (quotient.into(), dividend.checked_rem_euclid(divisor).unwrap_or(0).into())
         }
         _ => (dividend.div_euclid(divisor), dividend.rem_euclid(divisor)),
     }

@@ -43,7 +43,7 @@ impl VelocityRamp {
         let step = u64::from(acceleration_rpm_per_s.unsigned_abs()) * u64::from(interval_ms);
         let step = i64::try_from(step).unwrap_or(i64::MAX);
         let lowest = self.parts.saturating_sub(step);
-        self.parts = parts(target_rpm).clamp(lowest, self.parts.saturating_add(step));
+        self.parts = parts(target_rpm).min(self.parts.saturating_add(step)).max(lowest);
     }
 
     /// Like [`VelocityRamp::tick`], but a smaller velocity in the same direction, or 0, is taken at once: for targets that

@@ -58,9 +58,12 @@ impl Limits {
         if next <= stop {
             return left >= 0;
         }
-        // v² − s² ≤ a · left, with a product less.
-        let product = |factor: i64, other: i64| i128::from(factor) * i128::from(other);
-        product(next - stop, next + stop) <= product(left, self.acceleration())
+        // v² − s² ≤ a · left, with a product less; all but `left` is positive here, and products of unsigned numbers cost a
+        // microcontroller half of what signed ones do.
+        let Ok(left) = u64::try_from(left) else { return false };
+        let product = |factor: u64, other: u64| u128::from(factor) * u128::from(other);
+        product((next - stop).unsigned_abs(), (next + stop).unsigned_abs())
+            <= product(left, self.acceleration().unsigned_abs())
     }
 }
 

@@ -9,7 +9,7 @@ use super::error::ConfigError;
 use super::instant;
 use super::parse_setting::{Part, SettingError, SettingValue, parse_setting};
 use super::section::{self, Entry, Section, Table};
-use super::setting::Setting;
+use bench_hardware::Setting;
 
 /// What happens at an instant.
 #[derive(Clone, Debug, PartialEq)]

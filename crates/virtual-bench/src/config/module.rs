@@ -19,7 +19,7 @@ use super::suggest;
 use super::supply::{self, SupplyFigures};
 use super::switches::{self, SwitchesConfig};
 use crate::ModuleKind;
-use crate::kind::MotorFamily;
+use bench_hardware::MotorFamily;
 
 /// Temperature of a room (chosen).
 const ROOM_C: f64 = 25.0;

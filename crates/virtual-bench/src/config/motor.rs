@@ -9,7 +9,7 @@ use super::quantity::{self, Quantity};
 use super::section::Section;
 use super::suggest;
 use crate::ModuleKind;
-use crate::kind::MotorFamily;
+use bench_hardware::MotorFamily;
 
 /// A motor.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use core::ops::RangeInclusive;
 use super::module::ModuleConfig;
 use super::parse_setting::{SettingError, SettingValue, choice, quantity_of, unknown, whole};
 use super::quantity;
-use super::setting::{Coil, Contact, EncoderLine, HallSensor, Phase, Setting, SwitchName};
-use crate::kind::MotorFamily;
+use bench_hardware::MotorFamily;
+use bench_hardware::{Coil, Contact, EncoderLine, HallSensor, Phase, Setting, SwitchName};
 
 /// Full steps that an event may make the rotor slip.
 const DROPPED_STEPS: RangeInclusive<i32> = -1_000_000..=1_000_000;

@@ -7,12 +7,12 @@ use super::module::ModuleConfig;
 use super::parse_fault::parse_fault;
 use super::pins::{self, ANALOG_MAX};
 use super::quantity::{self, Quantity};
-use super::setting::{Power, Setting};
 use super::step_dir::{ENABLE_HELP, PULSES};
 use super::suggest;
 use super::wire::WireEnd;
 use crate::ModuleKind;
-use crate::kind::MotorFamily;
+use bench_hardware::MotorFamily;
+use bench_hardware::{Power, Setting};
 
 /// Words that names of settings begin with.
 const SETTING_ROOTS: [&str; 8] =

@@ -1,8 +1,8 @@
 //! Which pins a module offers to wires, levels and events, and how they are called.
 
-use super::setting::SwitchName;
 use super::switches::SwitchesConfig;
 use crate::ModuleKind;
+use bench_hardware::SwitchName;
 
 /// What a module's pins are, by their port numbers.
 pub(super) struct Pins {

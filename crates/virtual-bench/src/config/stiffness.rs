@@ -8,7 +8,7 @@ use motor_physics::stepper::StepperParameters;
 
 use super::load::LoadConfig;
 use super::module::ModuleConfig;
-use crate::kind::MotorFamily;
+use bench_hardware::MotorFamily;
 
 /// Rates of decay and angular frequencies at most, in 1/s: half a radian in a control period. The fastest motor of the
 /// presets stays below half of it.

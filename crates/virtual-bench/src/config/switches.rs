@@ -5,8 +5,8 @@ use motor_physics::switch::SwitchConfig;
 use super::error::ConfigError;
 use super::quantity;
 use super::section::Section;
-use super::setting::SwitchName;
 use crate::ModuleKind;
+use bench_hardware::SwitchName;
 
 /// The switches of a module. A switch that is not there is one that never opens.
 ///

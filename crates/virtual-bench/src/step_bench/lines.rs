@@ -7,7 +7,7 @@ use driver_chips::tmc5160::Edges;
 use super::PERIOD_CLOCKS;
 use crate::TICK_NS;
 use crate::config::RecordedLevels;
-use crate::hardware::PulseLevels;
+use bench_hardware::PulseLevels;
 
 /// The two lines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

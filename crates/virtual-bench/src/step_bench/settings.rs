@@ -3,10 +3,10 @@
 use driver_chips::tmc5160::Tmc5160;
 
 use super::{BOARD, ENABLE, StepBench};
-use crate::bench_parts::with_level;
 use crate::config::{Power, Setting};
-use crate::hardware::PulseLevels;
-use crate::module::Surroundings;
+use bench_hardware::PulseLevels;
+use bench_hardware::Surroundings;
+use bench_hardware::with_level;
 
 impl Surroundings for StepBench {
     fn apply(&mut self, setting: Setting) {

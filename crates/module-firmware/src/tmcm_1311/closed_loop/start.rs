@@ -58,7 +58,7 @@ impl Tmcm1311 {
     fn current_part(&self) -> u8 {
         let chip = self.chip_settings();
         let largest = self.kept_value(AxisParameter::MaxCurrent) / 8 + 1;
-        let part = 256 * (i32::from(chip.current_scale) + 1) / largest - 1;
+        let part = (256 * (i32::from(chip.current_scale) + 1)).checked_div(largest).unwrap_or(1) - 1;
         if chip.off_time == 0 { 0 } else { u8::try_from(part).unwrap_or(u8::MAX) }
     }
 

@@ -61,7 +61,7 @@ impl Tmcm1311 {
     pub(super) fn drive_torque(&mut self) {
         use AxisParameter as P;
         let largest_ma = self.max_possible_current_ma();
-        let target_ma = self.kept_value(P::TorqueTargetCurrent).clamp(-largest_ma, largest_ma);
+        let target_ma = self.kept_value(P::TorqueTargetCurrent).min(largest_ma).max(-largest_ma);
         if self.is_blocked(target_ma) || self.is_blocked(self.torque_current_ma()) {
             return self.hold_before_switch();
         }

@@ -1,0 +1,20 @@
+//! Modules on an emulated chip, and sessions that are played against them and against virtual modules alike.
+//!
+//! A [`Session`] says which bytes arrive at which port at which tick, and which leave. [`play()`] gives its inputs to a
+//! [`Target`] and returns the session as it went there: a [`VirtualTarget`] in this process, or an [`EmulatedChip`], which is
+//! QEMU with an image of `firmware/mps2-an385`.
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "an edge: it runs QEMU and waits for it"
+)]
+
+mod chip;
+mod play;
+mod session;
+mod virtual_target;
+
+pub use chip::{Counting, EmulatedChip, EmulatorError, Measured, QEMU, Stack};
+pub use play::{Target, play};
+pub use session::{Act, Line, Session, SessionError};
+pub use virtual_target::VirtualTarget;

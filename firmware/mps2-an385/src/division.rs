@@ -1,0 +1,62 @@
+//! 64-bit division for a processor that divides 32 bits in an instruction.
+//!
+//! Most of what the firmware divides fits 32 bits, though it might not. The run-time functions of the ARM EABI (Run-time ABI
+//! for the Arm Architecture, §4.3.1) stand here in place of the compiler's: where both operands fit they take a dozen
+//! instructions instead of some ninety, and else they call what the compiler brings. The results are the same.
+
+core::arch::global_asm!(
+    ".syntax unified",
+    ".thumb",
+    // Signed: quotient in r0 and r1, remainder in r2 and r3.
+    ".section .text.__aeabi_ldivmod, \"ax\", %progbits",
+    ".global __aeabi_ldivmod",
+    ".type __aeabi_ldivmod, %function",
+    ".thumb_func",
+    "__aeabi_ldivmod:",
+    "cmp r1, r0, asr #31",
+    "bne 1f",
+    "cmp r3, r2, asr #31",
+    "bne 1f",
+    // 0 is not for here, and neither is -1, by which the smallest number gives 33 bits.
+    "add r12, r2, #1",
+    "cmp r12, #1",
+    "bls 1f",
+    "sdiv r12, r0, r2",
+    "mls r2, r12, r2, r0",
+    "mov r0, r12",
+    "asr r1, r0, #31",
+    "asr r3, r2, #31",
+    "bx lr",
+    "1:",
+    "push {{r4, lr}}",
+    "sub sp, #16",
+    "add r4, sp, #8",
+    "str r4, [sp]",
+    "bl __divmoddi4",
+    "ldrd r2, r3, [sp, #8]",
+    "add sp, #16",
+    "pop {{r4, pc}}",
+    // Unsigned, likewise.
+    ".section .text.__aeabi_uldivmod, \"ax\", %progbits",
+    ".global __aeabi_uldivmod",
+    ".type __aeabi_uldivmod, %function",
+    ".thumb_func",
+    "__aeabi_uldivmod:",
+    "orrs r12, r1, r3",
+    "bne 1f",
+    "cbz r2, 1f",
+    "udiv r12, r0, r2",
+    "mls r2, r12, r2, r0",
+    "mov r0, r12",
+    "bx lr",
+    "1:",
+    "push {{r4, lr}}",
+    "sub sp, #16",
+    "add r4, sp, #8",
+    "str r4, [sp]",
+    "bl __udivmoddi4",
+    "ldrd r2, r3, [sp, #8]",
+    "add sp, #16",
+    "pop {{r4, pc}}",
+    ".text",
+);
