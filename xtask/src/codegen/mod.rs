@@ -11,7 +11,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::workspace_root;
+use crate::{program, workspace_root};
 
 /// What to do with what was generated.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -88,8 +88,7 @@ fn rustfmt(source: &str) -> Result<String> {
 
 /// What the command line prints for these arguments: the reference pages are its output.
 fn tmcl(arguments: &[&str]) -> Result<String> {
-    let output = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--package", "tmcl", "--"])
+    let output = Command::new(program::built()?)
         .args(arguments)
         .current_dir(workspace_root())
         .output()
