@@ -2,9 +2,10 @@
 
 use tmcl_tables::{Command, Status};
 use tmcl_vm::{Halt, NeverHalt, Stepped, Vm};
+use tmcl_wire::Request;
 
 use crate::axis::Axis;
-use crate::dispatch::Outcome;
+use crate::dispatch::{Executed, Outcome};
 use crate::firmware::Firmware;
 use crate::jobs::Job;
 use crate::port::PortId;
@@ -116,26 +117,38 @@ impl<A: Axis> Firmware<A> {
         }
     }
 
-    /// Commands 128 to 135, which only a host sends.
+    /// Commands 128 to 135, which only a host sends; none where it is another.
     pub(crate) fn control_application(
         &mut self,
         command: Command,
-        kind: u8,
-        value: i32,
+        request: &Request,
         port: PortId,
-    ) -> Result<Outcome, Status> {
-        match command {
-            Command::ApplicationStop => self.vm.stop(),
-            Command::ApplicationRun => self.run_application(kind, value)?,
-            Command::ApplicationStep => self.step_application(),
-            Command::ApplicationReset => self.vm.reset(),
-            Command::DownloadStart => self.start_download(port, value)?,
-            Command::DownloadEnd => self.end_download(port),
-            Command::ReadProgramMemory => return self.read_program(value),
-            Command::ApplicationStatus => return Ok(self.application_status()),
-            _ => return Err(Status::InvalidCommand),
-        }
-        Ok(Outcome::Done(value))
+    ) -> Option<Executed> {
+        let &Request { kind, value, .. } = request;
+        let done = match command {
+            Command::ApplicationStop => {
+                self.vm.stop();
+                Ok(())
+            }
+            Command::ApplicationRun => self.run_application(kind, value),
+            Command::ApplicationStep => {
+                self.step_application();
+                Ok(())
+            }
+            Command::ApplicationReset => {
+                self.vm.reset();
+                Ok(())
+            }
+            Command::DownloadStart => self.start_download(port, value),
+            Command::DownloadEnd => {
+                self.end_download(port);
+                Ok(())
+            }
+            Command::ReadProgramMemory => return Some(self.read_program(value)),
+            Command::ApplicationStatus => return Some(Ok(self.application_status())),
+            _ => return None,
+        };
+        Some(done.map(|()| Outcome::Done(value)))
     }
 
     /// 129: type 0 goes on, type 1 starts at an address.

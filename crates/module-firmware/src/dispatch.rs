@@ -27,24 +27,6 @@ pub(crate) const POSITION_REACHED_MASK: i32 = 1;
 /// The motor byte of SCO and GCO that means the EEPROM.
 const COORDINATES_IN_EEPROM: u8 = 255;
 
-/// Who wants something executed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Origin {
-    /// A host at a port: direct mode.
-    Host(PortId),
-    /// The stand-alone program.
-    Program,
-}
-
-impl Origin {
-    fn mode(self) -> Mode {
-        match self {
-            Self::Host(_) => Mode::Direct,
-            Self::Program => Mode::Program,
-        }
-    }
-}
-
 /// What a request led to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -68,15 +50,30 @@ pub(crate) enum Outcome {
     Silence,
 }
 
-type Executed = Result<Outcome, Status>;
+pub(crate) type Executed = Result<Outcome, Status>;
 
 impl<A: Axis> Firmware<A> {
-    /// Executes a request, whoever it comes from.
-    pub(crate) fn execute(&mut self, request: &Request, origin: Origin) -> Executed {
-        if let Some(stored) = self.store_instruction(request, origin) {
+    /// Executes a request of a host at a port: direct mode.
+    pub(crate) fn execute_request(&mut self, request: &Request, port: PortId) -> Executed {
+        if let Some(stored) = self.store_instruction(request, port) {
             return stored;
         }
-        let command = admit::<A>(request, origin.mode())?;
+        let command = admit::<A>(request, Mode::Direct)?;
+        match self.control_application(command, request, port) {
+            Some(controlled) => controlled,
+            None => self.perform(command, request),
+        }
+    }
+
+    /// Executes an instruction of the stand-alone program. None of them runs or steps a program, so that nothing here ever
+    /// calls itself and a stack has a bound.
+    pub(crate) fn execute_instruction(&mut self, request: &Request) -> Executed {
+        let command = admit::<A>(request, Mode::Program)?;
+        self.perform(command, request)
+    }
+
+    /// What a command does, whoever wants it done.
+    fn perform(&mut self, command: Command, request: &Request) -> Executed {
         let &Request { kind, value, .. } = request;
         match command {
             Command::RotateRight => self.rotate(value, value),
@@ -116,17 +113,6 @@ impl<A: Axis> Firmware<A> {
                 let accumulator = self.vm.registers.accumulator;
                 self.set_global_parameter(request, accumulator, accumulator)
             }
-            Command::ApplicationStop
-            | Command::ApplicationRun
-            | Command::ApplicationStep
-            | Command::ApplicationReset
-            | Command::DownloadStart
-            | Command::DownloadEnd
-            | Command::ReadProgramMemory
-            | Command::ApplicationStatus => match origin {
-                Origin::Host(port) => self.control_application(command, kind, value, port),
-                Origin::Program => Err(Status::NotAvailable),
-            },
             Command::FirmwareVersion if kind == 0 => Ok(Outcome::VersionString),
             Command::FirmwareVersion => Ok(Outcome::Done(A::SPEC.version_number())),
             Command::FactoryReset => self.factory_reset(value),
@@ -145,8 +131,17 @@ impl<A: Axis> Firmware<A> {
             | Command::UserFunction6
             | Command::UserFunction7 => Err(Status::InvalidCommand),
             Command::EnterAsciiMode => Ok(Outcome::AsciiMode(value)),
+            // Only a host controls the application, and not here.
+            Command::ApplicationStop
+            | Command::ApplicationRun
+            | Command::ApplicationStep
+            | Command::ApplicationReset
+            | Command::DownloadStart
+            | Command::DownloadEnd
+            | Command::ReadProgramMemory
+            | Command::ApplicationStatus
             // Flow control is never available to a host, and in a program it is the interpreter's.
-            Command::Compare
+            | Command::Compare
             | Command::JumpConditional
             | Command::Jump
             | Command::CallSubroutine

@@ -7,7 +7,7 @@ use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::Request;
 
 use crate::axis::Axis;
-use crate::dispatch::{Origin, Outcome};
+use crate::dispatch::Outcome;
 use crate::firmware::Firmware;
 use crate::jobs::Job;
 use crate::port::PortId;
@@ -63,9 +63,8 @@ impl<A: Axis> Firmware<A> {
     pub(crate) fn store_instruction(
         &mut self,
         request: &Request,
-        origin: Origin,
+        port: PortId,
     ) -> Option<Result<Outcome, Status>> {
-        let Origin::Host(port) = origin else { return None };
         let protected = self.is_overwriting_protected();
         let download = self.download.as_mut().filter(|download| download.port == port)?;
         if (Command::ApplicationStop.number()..=Command::EnterAsciiMode.number()).contains(&request.command) {

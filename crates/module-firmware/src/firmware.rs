@@ -42,13 +42,14 @@ pub struct Firmware<A: Axis> {
 }
 
 impl<A: Axis> Firmware<A> {
-    /// A module with these settings; [`Firmware::power_on`] reads them from storage.
-    pub(crate) fn with(axis: A, globals: Globals, coordinates: Coordinates) -> Self {
+    /// A module with the factory settings; [`Firmware::power_on`] reads what is stored over them.
+    pub(crate) fn as_made() -> Self {
+        let globals = Globals::new(A::SPEC);
         let rates = Rates::of(&globals);
         Self {
-            axis,
+            axis: A::default(),
             globals,
-            coordinates,
+            coordinates: Coordinates::new(),
             vm: Vm::default(),
             programs: A::Programs::default(),
             download: None,

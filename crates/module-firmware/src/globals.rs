@@ -34,7 +34,18 @@ pub(crate) struct Globals {
 impl Globals {
     /// Factory settings.
     pub(crate) fn new(spec: &ModuleSpec) -> Self {
-        let mut values = Values::zero();
+        let (values, variables) = (Values::zero(), Values::zero());
+        let mut globals = Self { values, variables, tick_timer_offset: 0, random: 0 };
+        globals.reset(spec);
+        globals
+    }
+
+    /// Factory settings again.
+    pub(crate) fn reset(&mut self, spec: &ModuleSpec) {
+        let Self { values, variables, tick_timer_offset, random } = self;
+        values.clear();
+        variables.clear();
+        (*tick_timer_offset, *random) = (0, 0x2545_F491);
         for (parameter, factory) in FIXED {
             values.set(parameter.index(), factory);
         }
@@ -44,7 +55,6 @@ impl Globals {
                 values.set(parameter.index(), entry.parameter.default_bits());
             }
         }
-        Self { values, variables: Values::zero(), tick_timer_offset: 0, random: 0x2545_F491 }
     }
 
     /// A setting as a plain value.

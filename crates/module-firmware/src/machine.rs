@@ -7,7 +7,7 @@ use tmcl_wire::Request;
 use crate::TICKS_PER_MS;
 use crate::application::ProgramJob;
 use crate::axis::Axis;
-use crate::dispatch::{Origin, Outcome};
+use crate::dispatch::Outcome;
 use crate::firmware::Firmware;
 use crate::program_memory::{Instruction, ProgramMemory};
 
@@ -51,7 +51,7 @@ impl<A: Axis> Machine for Firmware<A> {
     }
 
     fn execute(&mut self, request: &Request) -> Result<i32, Status> {
-        match Firmware::execute(self, request, Origin::Program)? {
+        match self.execute_instruction(request)? {
             Outcome::Done(value) => Ok(value),
             Outcome::Job(job, value) => {
                 self.program_job = Some(ProgramJob { address: self.vm.address(), job });

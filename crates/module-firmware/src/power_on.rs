@@ -1,5 +1,7 @@
 //! Power-on: factory settings, then what the storage holds over them.
 
+use core::mem::MaybeUninit;
+
 use tmcl_tables::{GlobalParameter, ParameterSpec};
 use tmcl_vm::Vm;
 
@@ -8,7 +10,7 @@ use crate::coordinates::{self, Coordinates};
 use crate::download::READ_PROTECTION;
 use crate::events::Sources;
 use crate::firmware::Firmware;
-use crate::globals::{Globals, MAGIC, VARIABLE_BANK};
+use crate::globals::{MAGIC, VARIABLE_BANK};
 use crate::line::Rates;
 use crate::program_memory::ProgramMemory;
 use crate::storage::{RecordKey, Storage, read_value, write_value};
@@ -19,10 +21,39 @@ impl<A: Axis> Firmware<A> {
     /// A magic number (global parameter 64) other than 228 makes it forget everything stored first. If the power fails
     /// while it does, the number is still wrong at the next power-on, and it begins again.
     pub fn power_on<S: Storage>(storage: &mut S) -> Self {
-        let mut firmware = Self::with(A::default(), Globals::new(A::SPEC), Coordinates::new());
-        firmware.restore(storage);
-        firmware.rates = Rates::of(&firmware.globals);
+        let mut firmware = Self::as_made();
+        firmware.load(storage);
         firmware
+    }
+
+    /// [`Firmware::power_on`] in the place where the module is to stay. A controller's stack need not hold it twice then.
+    pub fn power_on_in<'a, S: Storage>(place: &'a mut MaybeUninit<Self>, storage: &mut S) -> &'a mut Self {
+        let firmware = Self::write_as_made(place);
+        firmware.load(storage);
+        firmware
+    }
+
+    /// [`Firmware::power_on`] in the place of a module that was switched off.
+    pub fn power_on_again<S: Storage>(&mut self, storage: &mut S) {
+        self.make_anew();
+        self.load(storage);
+    }
+
+    /// By itself, so that what it needs of the stack is given back before the storage is read.
+    #[inline(never)]
+    fn write_as_made(place: &mut MaybeUninit<Self>) -> &mut Self {
+        place.write(Self::as_made())
+    }
+
+    /// By itself, likewise.
+    #[inline(never)]
+    fn make_anew(&mut self) {
+        *self = Self::as_made();
+    }
+
+    fn load<S: Storage>(&mut self, storage: &mut S) {
+        self.restore(storage);
+        self.rates = Rates::of(&self.globals);
     }
 
     /// As after power-on, but for what still leaves the ports and the rates it leaves at. In place: a module is larger than
@@ -49,7 +80,7 @@ impl<A: Axis> Firmware<A> {
             upkeep,
         } = self;
         ports.iter_mut().for_each(|port| port.restart(*ticks));
-        *axis = A::default();
+        write_default(axis);
         *vm = Vm::default();
         *sources = Sources::default();
         (*download, *program_job, *refusal) = (None, None, None);
@@ -61,8 +92,8 @@ impl<A: Axis> Firmware<A> {
     /// Puts what is stored over the factory settings.
     fn restore<S: Storage>(&mut self, storage: &mut S) {
         forget_if_magic_is_wrong(storage);
-        self.globals = restored_globals::<A, S>(storage);
-        self.coordinates = restored_coordinates(&self.globals, storage);
+        self.restore_globals(storage);
+        self.restore_coordinates(storage);
         for parameter in A::SPEC.axis_parameters.iter().filter(|parameter| parameter.access.store) {
             if let Some((parameter, stored, default)) =
                 stored_axis_parameter::<A, S>(parameter.number, storage)
@@ -80,6 +111,39 @@ impl<A: Axis> Firmware<A> {
         }
         self.restart_heartbeat();
         self.start_ports();
+    }
+
+    fn restore_globals<S: Storage>(&mut self, storage: &mut S) {
+        self.globals.reset(A::SPEC);
+        for parameter in GlobalParameter::ALL {
+            let (bank, number) = parameter.address();
+            let Some(entry) = A::SPEC.global_parameter(bank, number) else { continue };
+            if let Some(value) = read_value(storage, RecordKey::Global(bank, number))
+                && entry.parameter.access.store
+                && is_possible(&entry.parameter, value)
+            {
+                self.globals.restore(*parameter, value);
+            }
+        }
+        if self.globals.setting(GlobalParameter::DoNotRestoreVariables) == 0 {
+            let variables = A::SPEC.global_parameters.iter().filter(|entry| entry.bank == VARIABLE_BANK);
+            for entry in variables.filter(|entry| entry.parameter.access.store) {
+                for number in entry.parameter.number..=entry.last {
+                    let value = read_value(storage, RecordKey::Global(VARIABLE_BANK, number));
+                    self.globals.set_variable(number, value.unwrap_or(0));
+                }
+            }
+        }
+    }
+
+    fn restore_coordinates<S: Storage>(&mut self, storage: &mut S) {
+        self.coordinates = Coordinates::new();
+        if self.globals.setting(GlobalParameter::CoordinateStorage) != 0 {
+            for number in 1..coordinates::COUNT {
+                let value = read_value(storage, RecordKey::Coordinate(number));
+                self.coordinates.set(number, value.unwrap_or(0));
+            }
+        }
     }
 
     /// Puts a stored axis parameter back, or its default where none is stored or what is stored is out of range.
@@ -128,37 +192,8 @@ fn forget_if_magic_is_wrong<S: Storage>(storage: &mut S) {
     }
 }
 
-fn restored_globals<A: Axis, S: Storage>(storage: &mut S) -> Globals {
-    let mut globals = Globals::new(A::SPEC);
-    for parameter in GlobalParameter::ALL {
-        let (bank, number) = parameter.address();
-        let Some(entry) = A::SPEC.global_parameter(bank, number) else { continue };
-        if let Some(value) = read_value(storage, RecordKey::Global(bank, number))
-            && entry.parameter.access.store
-            && is_possible(&entry.parameter, value)
-        {
-            globals.restore(*parameter, value);
-        }
-    }
-    if globals.setting(GlobalParameter::DoNotRestoreVariables) == 0 {
-        let variables = A::SPEC.global_parameters.iter().filter(|entry| entry.bank == VARIABLE_BANK);
-        for entry in variables.filter(|entry| entry.parameter.access.store) {
-            for number in entry.parameter.number..=entry.last {
-                let value = read_value(storage, RecordKey::Global(VARIABLE_BANK, number));
-                globals.set_variable(number, value.unwrap_or(0));
-            }
-        }
-    }
-    globals
-}
-
-fn restored_coordinates<S: Storage>(globals: &Globals, storage: &mut S) -> Coordinates {
-    let mut coordinates = Coordinates::new();
-    if globals.setting(GlobalParameter::CoordinateStorage) != 0 {
-        for number in 1..coordinates::COUNT {
-            let value = read_value(storage, RecordKey::Coordinate(number));
-            coordinates.set(number, value.unwrap_or(0));
-        }
-    }
-    coordinates
+/// By itself, so that what it needs of the stack is given back before the storage is read.
+#[inline(never)]
+fn write_default<T: Default>(place: &mut T) {
+    *place = T::default();
 }

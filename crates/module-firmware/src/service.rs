@@ -4,7 +4,7 @@ use tmcl_tables::{Command, GlobalParameter, Status};
 use tmcl_wire::{Event, Listener, Reply, Request, can};
 
 use crate::axis::Axis;
-use crate::dispatch::{Origin, Outcome, POSITION_REACHED_MASK};
+use crate::dispatch::{Outcome, POSITION_REACHED_MASK};
 use crate::envelope::{Envelope, Form, is_suppress_reply};
 use crate::firmware::Firmware;
 use crate::jobs::Pending;
@@ -65,7 +65,7 @@ impl<A: Axis> Firmware<A> {
 
     pub(crate) fn serve_request(&mut self, port: PortId, envelope: Envelope, request: &Request) {
         let reply = |status, value| Reply { status, command: request.command, value };
-        let executed = self.execute(request, Origin::Host(port));
+        let executed = self.execute_request(request, port);
         self.rates.await_port(port);
         match executed {
             Err(status) => self.answer(port, envelope, reply(status, 0)),

@@ -9,6 +9,10 @@ impl<const N: usize> Values<N> {
         Self([0; N])
     }
 
+    pub(crate) fn clear(&mut self) {
+        self.0.fill(0);
+    }
+
     pub(crate) fn get(&self, index: usize) -> i32 {
         self.0.get(index).copied().unwrap_or(0)
     }

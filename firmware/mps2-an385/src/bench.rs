@@ -20,7 +20,7 @@ use core::mem::MaybeUninit;
 use bench_hardware::{Hardware, Power, Setting, Surroundings, TICK_NS};
 use module_firmware::{Axis, Firmware, PORTS, PortId};
 
-use crate::module::{power_on, unusable};
+use crate::module::unusable;
 use crate::psram::{self, Media};
 use crate::stack;
 use crate::systick::{ControlPeriods, Cycles};
@@ -132,15 +132,9 @@ where
 
     fn power_cycle(&mut self) {
         self.hardware.apply(Setting::Power(Power::Off));
-        power_on_again(self.firmware, &mut self.media);
+        self.firmware.power_on_again(&mut self.media);
         self.hardware.apply(Setting::Power(Power::On));
     }
-}
-
-/// Power-on in the place of what was switched off.
-#[inline(never)]
-fn power_on_again<A: Axis>(firmware: &mut Firmware<A>, media: &mut Media) {
-    *firmware = Firmware::power_on(media);
 }
 
 /// The harness at its UART.
@@ -241,7 +235,7 @@ where
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
 {
     let Ok(mut media) = psram::open(A::SPEC.program_memory) else { unusable() };
-    let firmware = power_on(place, &mut media);
+    let firmware = Firmware::power_on_in(place, &mut media);
     let cycles = Cycles::count();
     let overhead = {
         let before = cycles.now();

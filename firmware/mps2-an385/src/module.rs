@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use module_firmware::{Axis, Firmware, PortId};
 
-use crate::psram::{self, Media};
+use crate::psram;
 use crate::systick::ControlPeriods;
 use crate::uart::Uart;
 
@@ -32,7 +32,7 @@ pub fn run<A: Axis>(
     let mut uart = Uart::tmcl();
     let instructions = A::SPEC.program_memory;
     let Ok(mut media) = psram::open(instructions) else { unusable() };
-    let firmware = power_on(place, &mut media);
+    let firmware = Firmware::power_on_in(place, &mut media);
     let mut periods = ControlPeriods::begin();
     loop {
         if periods.is_over() {
@@ -50,15 +50,6 @@ pub fn run<A: Axis>(
         }
         firmware.background(&mut media);
     }
-}
-
-/// Power-on. By itself, so that what it needs of the stack is given back.
-#[inline(never)]
-pub(crate) fn power_on<'a, A: Axis>(
-    place: &'a mut MaybeUninit<Firmware<A>>,
-    media: &mut Media,
-) -> &'a mut Firmware<A> {
-    place.write(Firmware::power_on(media))
 }
 
 /// The media are too small for the module, which is a mistake of who put them together: it stays without power.

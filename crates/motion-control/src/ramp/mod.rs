@@ -122,7 +122,8 @@ impl Ramp {
     #[must_use]
     pub fn velocity_pps(&self) -> i32 {
         // |velocity| stays below 2^31 · 20 000 by the range of the limits.
-        i32::try_from(self.velocity / TICKS_PER_SECOND).unwrap_or(i32::MAX)
+        let pps = divided_down(self.velocity.abs(), TICKS_PER_SECOND).0 * self.velocity.signum();
+        i32::try_from(pps).unwrap_or(i32::MAX)
     }
 
     /// Whether it stands still.
@@ -166,7 +167,7 @@ impl Ramp {
 
     /// One control period: changes the velocity within the limits and moves by the mean of the old and the new one.
     ///
-    /// Constant work: at most seven looks at the braking distance, each of two products of 128 bits.
+    /// Constant work: at most seven looks at the braking distance, each of one product of 128 bits.
     pub fn tick(&mut self, limits: &Limits) {
         let before = self.velocity;
         match self.goal {
@@ -214,11 +215,22 @@ impl Ramp {
 
     /// Moves by `units`, at most a few thousand steps.
     fn advance(&mut self, units: i64) {
-        let total = self.fraction + units;
-        self.fraction = total.rem_euclid(UNITS_PER_STEP);
-        let whole = total.div_euclid(UNITS_PER_STEP);
+        let (whole, fraction) = divided_down(self.fraction + units, UNITS_PER_STEP);
+        self.fraction = fraction;
         self.position = self.position.wrapping_add(i32::try_from(whole).unwrap_or(0));
     }
+}
+
+/// Quotient, rounded down, and remainder, for a constant divisor above 0. Its factors of two are shifted out first, and what is
+/// left mostly fits 32 bits, which a Cortex-M3 divides in an instruction, and 64 in none.
+#[inline(always)]
+fn divided_down(dividend: i64, divisor: i64) -> (i64, i64) {
+    let twos = divisor.trailing_zeros();
+    let quotient = match (i32::try_from(dividend >> twos), i32::try_from(divisor >> twos)) {
+        (Ok(dividend), Ok(divisor)) => dividend.div_euclid(divisor).into(),
+        _ => dividend.div_euclid(divisor),
+    };
+    (quotient, dividend - quotient * divisor)
 }
 
 #[cfg(test)]

@@ -50,21 +50,44 @@ impl Limits {
         let reach = (speed.max(stop) + stop).max(acceleration / 2 + 2);
         (0..=acceleration + stop).contains(&speed) && ahead <= reach
     }
+}
 
-    /// Whether going from `speed` to `next` in this tick leaves room to brake before `ahead` units are used up.
-    fn leaves_room(&self, speed: Speed, next: Speed, ahead: i64) -> bool {
-        let stop = self.stop_speed();
-        let left = ahead - (self.jump(speed, next) + next);
-        if next <= stop {
-            return left >= 0;
-        }
-        // v² − s² ≤ a · left, with a product less; all but `left` is positive here, and products of unsigned numbers cost a
-        // microcontroller half of what signed ones do.
-        let Ok(left) = u64::try_from(left) else { return false };
-        let product = |factor: u64, other: u64| u128::from(factor) * u128::from(other);
-        product((next - stop).unsigned_abs(), (next + stop).unsigned_abs())
-            <= product(left, self.acceleration().unsigned_abs())
+/// How much room there is to brake in, for a tick from `speed` ≥ 0: what does not change while the next velocity is looked for.
+struct Room {
+    speed: Speed,
+    ahead: i64,
+    stop: Speed,
+    acceleration: Speed,
+    /// The acceleration times what would be left after a tick to the stop velocity s.
+    above_stop: u128,
+}
+
+impl Room {
+    fn new(speed: Speed, ahead: i64, limits: &Limits) -> Self {
+        let (stop, acceleration) = (limits.stop_speed(), limits.acceleration());
+        // A tick to s or more begins there if it did not begin faster.
+        let left = ahead - speed.max(stop) - stop;
+        let above_stop = product(left.max(0).unsigned_abs(), acceleration.unsigned_abs());
+        Self { speed, ahead, stop, acceleration, above_stop }
     }
+
+    /// Whether going to `next` ≥ 0 in this tick leaves room to brake before `ahead` units are used up.
+    fn is_left_by(&self, next: Speed) -> bool {
+        let &Self { speed, ahead, stop, acceleration, above_stop } = self;
+        if next <= stop {
+            // `Limits::jump`, for velocities that are not negative.
+            let start = if speed >= stop || next == 0 { speed } else { next };
+            return start + next <= ahead;
+        }
+        // v² − s² ≤ a · left, where going on to v takes v − s of what is left at s. So (v − s)(v + s + a) is compared with
+        // what stays the same, and that with a product less; of unsigned numbers, which cost a microcontroller half of what
+        // signed ones do.
+        product((next - stop).unsigned_abs(), (next + stop + acceleration).unsigned_abs()) <= above_stop
+    }
+}
+
+fn product(factor: u64, other: u64) -> u128 {
+    u128::from(factor) * u128::from(other)
 }
 
 /// One tick from `speed` towards `wanted`; through zero only after a stop there.
@@ -93,8 +116,9 @@ pub(super) fn towards(speed: Speed, wanted: Speed, limits: &Limits) -> Speed {
 /// below, which keeps the ramp feasible and close to the ideal parabola without a square root.
 pub(super) fn braking_speed(speed: Speed, ahead: i64, limits: &Limits) -> Speed {
     let acceleration = limits.acceleration();
+    let room = Room::new(speed, ahead, limits);
     let fastest = towards(speed, limits.top_speed(), limits);
-    if limits.leaves_room(speed, fastest, ahead) {
+    if room.is_left_by(fastest) {
         return fastest;
     }
     let slowest = towards(speed, 0, limits);
@@ -104,11 +128,38 @@ pub(super) fn braking_speed(speed: Speed, ahead: i64, limits: &Limits) -> Speed 
         if middle == fits {
             break;
         }
-        if limits.leaves_room(speed, middle, ahead) {
+        if room.is_left_by(middle) {
             fits = middle;
         } else {
             too_fast = middle;
         }
     }
     fits
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The rule as one writes it down: after the tick, what is left is enough to brake from v to s.
+        #[test]
+        fn room_is_what_braking_takes(
+            speed in prop_oneof![0..1_i64 << 46, 0..2_000_000_i64],
+            next in prop_oneof![0..1_i64 << 46, 0..2_000_000_i64],
+            ahead in prop_oneof![0..1_i64 << 61, 0..1_i64 << 33, 0..4_000_000_i64],
+            max_velocity_pps in 0..i32::MAX,
+            acceleration_pps2 in prop_oneof![0..i32::MAX, 0..2000_i32],
+            start_stop_velocity_pps in prop_oneof![0..i32::MAX, 0..100_i32],
+        ) {
+            let limits = Limits { max_velocity_pps, acceleration_pps2, start_stop_velocity_pps };
+            let stop = limits.stop_speed();
+            let left = i128::from(ahead) - i128::from(limits.jump(speed, next) + next);
+            let (v, s) = (i128::from(next.max(stop)), i128::from(stop));
+            let expected = left >= 0 && v * v - s * s <= left * i128::from(limits.acceleration());
+            prop_assert_eq!(Room::new(speed, ahead, &limits).is_left_by(next), expected);
+        }
+    }
 }
