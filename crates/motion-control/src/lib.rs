@@ -15,6 +15,7 @@
 #![deny(clippy::float_arithmetic)]
 
 pub mod closed_loop;
+mod division;
 pub mod foc;
 pub mod homing;
 pub mod i2t;

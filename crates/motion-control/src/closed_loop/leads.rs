@@ -6,6 +6,7 @@
 //! for the rotor, and makes up for it as far as it is allowed to.
 
 use crate::TICKS_PER_SECOND;
+use crate::division::divided_down;
 use crate::ramp::UNITS_PER_STEP;
 
 /// 90° electrical in µsteps: the lead with the largest torque.
@@ -86,7 +87,7 @@ impl Leads {
     /// How far the field is ahead of the rotor, in µsteps; negative where it is behind.
     #[must_use]
     pub fn field(&self) -> i32 {
-        i32::try_from(self.field.div_euclid(UNITS_PER_STEP)).unwrap_or(0)
+        i32::try_from(divided_down(self.field, UNITS_PER_STEP).0).unwrap_or(0)
     }
 
     /// The rotor went on by so many µsteps.
@@ -132,7 +133,7 @@ impl Leads {
     /// The field follows the virtual position, and makes up for what it is behind (positioning, §8.4). The ramp went on by
     /// `ramp_units` in this control period.
     pub fn follow(&mut self, ramp_units: i64, correction: &Correction, limits: LeadLimits) {
-        let lag = self.ramp.saturating_sub(self.field.div_euclid(UNITS_PER_STEP));
+        let lag = self.ramp.saturating_sub(divided_down(self.field, UNITS_PER_STEP).0);
         let largest = i64::from(correction.max_velocity_pps) * UNITS_PER_PPS;
         let wanted = ramp_units.saturating_add(correction.velocity_pps(lag).saturating_mul(UNITS_PER_PPS));
         self.point(self.field.saturating_add(wanted.min(largest).max(-largest)), limits);

@@ -15,6 +15,7 @@ pub use speed::Limits;
 use speed::{Speed, braking_speed, towards};
 
 use crate::TICKS_PER_SECOND;
+use crate::division::divided_down;
 
 /// Subdivisions of a step: one unit of velocity, held for a tick, is two of them.
 pub const UNITS_PER_STEP: i64 = 2 * TICKS_PER_SECOND * TICKS_PER_SECOND;
@@ -219,18 +220,6 @@ impl Ramp {
         self.fraction = fraction;
         self.position = self.position.wrapping_add(i32::try_from(whole).unwrap_or(0));
     }
-}
-
-/// Quotient, rounded down, and remainder, for a constant divisor above 0. Its factors of two are shifted out first, and what is
-/// left mostly fits 32 bits, which a Cortex-M3 divides in an instruction, and 64 in none.
-#[inline(always)]
-fn divided_down(dividend: i64, divisor: i64) -> (i64, i64) {
-    let twos = divisor.trailing_zeros();
-    let quotient = match (i32::try_from(dividend >> twos), i32::try_from(divisor >> twos)) {
-        (Ok(dividend), Ok(divisor)) => dividend.div_euclid(divisor).into(),
-        _ => dividend.div_euclid(divisor),
-    };
-    (quotient, dividend - quotient * divisor)
 }
 
 #[cfg(test)]

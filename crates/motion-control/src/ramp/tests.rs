@@ -231,15 +231,6 @@ fn can_stop_in_time(ramp: &Ramp, target: i32, limits: &Limits) -> bool {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 300 } else { 10_000 }))]
 
-    #[test]
-    fn dividing_by_way_of_shifts_is_dividing(
-        dividend in prop_oneof![-1_i64 << 34..1 << 34, -1_i64 << 60..1 << 60],
-        divisor in prop_oneof![Just(UNITS_PER_STEP), Just(TICKS_PER_SECOND), 1_i64..1 << 40],
-    ) {
-        let expected = (dividend.div_euclid(divisor), dividend.rem_euclid(divisor));
-        prop_assert_eq!(divided_down(dividend, divisor), expected);
-    }
-
     /// Limits hold in every tick, and once nothing changes any more, the ramp approaches monotonously and ends exactly.
     #[test]
     fn every_sequence_keeps_the_invariants(changes in proptest::collection::vec((change(), 0..400_u32), 1..12), last in -1_000_000..1_000_000) {
