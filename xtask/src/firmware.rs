@@ -3,6 +3,10 @@
 //! Rust's core library for the processor comes from rustup's target where it is installed; else Debian's compiler and its
 //! sources build it.
 
+mod code;
+mod panics;
+mod stack;
+
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -11,6 +15,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 
 use crate::workspace_root;
+use code::Code;
 
 const TARGET: &str = "thumbv7m-none-eabi";
 const QEMU: &str = "qemu-system-arm";
@@ -23,7 +28,7 @@ const DEBIAN_SOURCES: &str = "/usr/lib/rustlib/src/rust/library/core";
 /// The modules that images are built for.
 pub(crate) const MODULES: [&str; 2] = ["tmcm-1311", "tmcm-1640"];
 
-/// What an image without physics may take (an aim of ours): flash, and RAM without the stack.
+/// What an image without physics may take (an aim of ours): flash, and RAM with the stack.
 const FLASH_BUDGET: u64 = 128 * 1024;
 const RAM_BUDGET: u64 = 20 * 1024;
 
@@ -109,68 +114,44 @@ fn report(module: &str) -> Result<()> {
     };
     let flash = size(&[".vector_table", ".text", ".rodata", ".data"]);
     let ram = size(&[".data", ".bss", ".uninit"]);
-    println!("{module}: {flash} bytes of flash, {ram} bytes of RAM beside the stack");
+    let code = Code::of(&image)?;
+    let depth = stack::depth(&code)?;
+    let all = ram + depth.bytes;
+    println!(
+        "{module}: {flash} bytes of flash; {all} bytes of RAM, {ram} and at most {} of stack",
+        depth.bytes
+    );
     for (name, bytes) in by_crate(&output("arm-none-eabi-nm", &["--print-size", "--demangle"], &image)?) {
         println!("  {bytes:>7}  {name}");
     }
-    check_panics(&image)?;
-    if flash > FLASH_BUDGET || ram > RAM_BUDGET {
+    panics::check(&image, &code)?;
+    println!("           the deepest chain of calls:");
+    for (function, frame) in depth.chain.iter().filter(|(_, frame)| *frame > 0) {
+        println!("  {frame:>7}  {}", without_parameters(function));
+    }
+    if flash > FLASH_BUDGET || all > RAM_BUDGET {
         bail!("{module} takes more than {FLASH_BUDGET} bytes of flash or {RAM_BUDGET} bytes of RAM");
     }
     Ok(())
 }
 
-/// Every call of something that panics, by the line of source that it comes from: none may be ours. The checks of the storage's
-/// driver are counted.
-fn check_panics(image: &Path) -> Result<()> {
-    let code = output("arm-none-eabi-objdump", &["--disassemble", "--demangle"], image)?;
-    let mut places = Vec::new();
-    let mut function = "";
-    for line in code.lines() {
-        if let Some((_, name)) = line.strip_suffix(">:").and_then(|line| line.split_once(" <")) {
-            function = name;
-        } else if let Some((address, rest)) = line.trim_start().split_once(":\t")
-            && let Some((_, callee)) = rest.strip_suffix('>').and_then(|rest| rest.split_once(" <"))
-            && panics(callee)
-            && !panics(function)
-        {
-            places.push(format!("0x{address}"));
+/// A path without what is between `::<` and its `>`, which is long and says little.
+fn without_parameters(path: &str) -> String {
+    let mut short = String::new();
+    let mut depth = 0_usize;
+    let mut rest = path;
+    while let Some(letter) = rest.chars().next() {
+        match letter {
+            '<' if depth > 0 || short.ends_with(|last: char| last.is_alphanumeric() || last == ':') => {
+                depth += 1;
+            }
+            '>' if depth > 0 => depth -= 1,
+            _ if depth == 0 => short.push(letter),
+            _ => {}
         }
+        rest = &rest[letter.len_utf8()..];
     }
-    let arguments: Vec<_> = ["-i", "-a"].into_iter().chain(places.iter().map(String::as_str)).collect();
-    let lines =
-        output_with("arm-none-eabi-addr2line", |command| command.arg("-e").arg(image).args(&arguments))?;
-    // For each address the lines that were inlined there, the innermost first; those of Rust's library are not the cause.
-    let mut causes = Vec::new();
-    let mut waits = false;
-    for line in lines.lines() {
-        if line.starts_with("0x") {
-            waits = true;
-        } else if waits && !line.contains("/library/") && !line.contains("rustlib") {
-            causes.push(line.to_owned());
-            waits = false;
-        }
-    }
-    let root = workspace_root();
-    let ours: Vec<_> = causes.iter().filter(|line| Path::new(line).starts_with(&root)).cloned().collect();
-    println!(
-        "  {:>7}  checks of the storage's driver that could panic; none of ours",
-        causes.len() - ours.len()
-    );
-    if ours.is_empty() { Ok(()) } else { bail!("this could panic:\n  {}", ours.join("\n  ")) }
-}
-
-fn panics(function: &str) -> bool {
-    [
-        "core::panicking::",
-        "unwrap_failed",
-        "expect_failed",
-        "_index_fail",
-        "assert_failed",
-        "len_mismatch_fail",
-    ]
-    .into_iter()
-    .any(|name| function.contains(name))
+    short.trim_end_matches(':').to_owned()
 }
 
 /// The flash that the symbols of each crate take, the largest first. What is inlined counts where it ends up.
