@@ -125,6 +125,8 @@ fn report(module: &str) -> Result<()> {
         println!("  {bytes:>7}  {name}");
     }
     panics::check(&image, &code)?;
+    let with_physics = stack::depth(&Code::of(&self::image(&format!("{module}-bench")))?)?;
+    println!("  {:>7}  bytes of stack at most with physics", with_physics.bytes);
     println!("           the deepest chain of calls:");
     for (function, frame) in depth.chain.iter().filter(|(_, frame)| *frame > 0) {
         println!("  {frame:>7}  {}", without_parameters(function));
