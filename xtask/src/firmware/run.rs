@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 
 use crate::program;
 
@@ -46,5 +46,5 @@ fn replace(command: &mut Command) -> Result<()> {
 
 #[cfg(not(unix))]
 fn replace(_: &mut Command) -> Result<()> {
-    bail!("modules run on emulated chips on Unix only")
+    anyhow::bail!("modules run on emulated chips on Unix only")
 }
