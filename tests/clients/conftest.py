@@ -34,8 +34,8 @@ def serve() -> Iterator[Callable[..., Server]]:
     """Starts servers. Whatever a test did to one, it ends on SIGTERM with exit code 0 and without a panic."""
     servers: list[Server] = []
 
-    def start(*arguments: str, module: str = "tmcm-1311") -> Server:
-        servers.append(Server(*arguments, module=module))
+    def start(*arguments: str, module: str = "tmcm-1311", kind: type[Server] = Server) -> Server:
+        servers.append(kind(*arguments, module=module))
         return servers[-1]
 
     yield start

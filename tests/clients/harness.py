@@ -1,4 +1,4 @@
-"""Starts `tmcl serve` and names its ports; what the fixtures and the tests share."""
+"""Starts `tmcl serve` or a module on an emulated chip and names its ports; what the fixtures and the tests share."""
 
 from __future__ import annotations
 
@@ -136,10 +136,9 @@ class Server:
     """A running `tmcl serve`, with one module or several, `tmcm-1311@1 tmcm-1640@2`."""
 
     def __init__(self, *arguments: str, module: str = "tmcm-1311") -> None:
-        command = [str(binary()), "serve", *module.split(), *arguments]
         self._stderr = tempfile.TemporaryFile()
         self._process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self._stderr, text=True
+            self._command(module, arguments), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=self._stderr, text=True
         )
         self._lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=self._read_lines, daemon=True).start()
@@ -150,6 +149,9 @@ class Server:
         except BaseException:
             self.kill()
             raise
+
+    def _command(self, module: str, arguments: tuple[str, ...]) -> list[str]:
+        return [str(binary()), "serve", *module.split(), *arguments]
 
     def port(self, transport: str, index: int = 0) -> Port:
         """The port of this kind that was announced as number `index` among its kind."""
@@ -196,6 +198,16 @@ class Server:
         if match is None:
             pytest.fail(f"expected a `listening` line, got {line!r}\n{self.stderr()}")
         return Port(*match.groups())
+
+
+class EmulatedChip(Server):
+    """A module on an emulated chip, which is announced as a server is."""
+
+    def _command(self, module: str, arguments: tuple[str, ...]) -> list[str]:
+        path = Path(os.environ.get("EMULATED_MODULE", REPOSITORY / "target/system-tests/emulated-module"))
+        if not path.is_file():
+            pytest.fail(f"{path} does not exist: `cargo xtask firmware`, and build it or set EMULATED_MODULE")
+        return [str(path.resolve()), module, *arguments]
 
 
 def wait_for(condition: Callable[[], Any], what: str) -> Any:

@@ -5,10 +5,10 @@
 
 mod code;
 mod panics;
+mod run;
 mod stack;
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -16,6 +16,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::workspace_root;
 use code::Code;
+pub(crate) use run::{Ports, run};
 
 const TARGET: &str = "thumbv7m-none-eabi";
 const QEMU: &str = "qemu-system-arm";
@@ -34,6 +35,14 @@ const RAM_BUDGET: u64 = 20 * 1024;
 
 /// Builds every image, and reports what it takes.
 pub(crate) fn build() -> Result<()> {
+    build_images()?;
+    for module in MODULES {
+        report(module)?;
+    }
+    Ok(())
+}
+
+fn build_images() -> Result<()> {
     let mut command = Command::new("cargo");
     command
         .current_dir(workspace_root().join("firmware"))
@@ -53,9 +62,6 @@ pub(crate) fn build() -> Result<()> {
     let status = command.status().context("starting cargo")?;
     if !status.success() {
         bail!("the images do not build: cargo ended with {status}");
-    }
-    for module in MODULES {
-        report(module)?;
     }
     Ok(())
 }
@@ -191,31 +197,4 @@ fn output_with(program: &str, with: impl FnOnce(&mut Command) -> &mut Command) -
         bail!("{program}: {}", String::from_utf8_lossy(&output.stderr));
     }
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-/// A module on an emulated chip, its port at a TCP port and at a pseudo terminal's, until QEMU is ended.
-pub(crate) fn run(module: &str) -> Result<()> {
-    let folder = workspace_root().join("target/firmware");
-    std::fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
-    let memory = folder.join(format!("{module}.psram"));
-    println!(
-        "{module} on an emulated chip: tcp://127.0.0.1:5311; it keeps what it stores in {}",
-        memory.display()
-    );
-    let mut qemu = Command::new(QEMU)
-        .args(["-machine", "mps2-an385,memory-backend=psram", "-object"])
-        .arg(format!("memory-backend-file,id=psram,size=16M,share=on,mem-path={}", memory.display()))
-        .args(["-display", "none", "-monitor", "none", "-kernel"])
-        .arg(image(&format!("{module}-bench")))
-        .args(["-serial", "tcp:127.0.0.1:5311,server=on,wait=off,nodelay=on"])
-        // The harness of the image is at QEMU's standard input.
-        .args(["-chardev", "stdio,id=harness,signal=off", "-serial", "chardev:harness"])
-        .stdin(Stdio::piped())
-        .spawn()
-        .context(MISSING_QEMU)?;
-    // F: time runs. The pipe stays open as long as QEMU runs.
-    let mut harness = qemu.stdin.take().context("QEMU's input")?;
-    harness.write_all(b"F").context("telling the harness that time runs")?;
-    let status = qemu.wait().context("waiting for QEMU")?;
-    if status.success() { Ok(()) } else { bail!("{QEMU} ended with {status}") }
 }

@@ -39,7 +39,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-bench",
         ],
     ),
-    ("emulated-module", &["module-firmware", "virtual-bench"]),
+    ("emulated-module", &["module-firmware", "virtual-bench", "tmcl-server"]),
     ("xtask", &[]),
 ];
 

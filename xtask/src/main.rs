@@ -41,12 +41,14 @@ enum Chore {
     },
     /// Build the modules' images for a Cortex-M3, and report what they take
     Firmware {
-        /// Run one on an emulated chip: the physics of the default bench around it, its port at tcp://127.0.0.1:5311
+        /// Run one on an emulated chip: the physics of the default bench around it, its port at TCP and pseudo terminals
         #[arg(long)]
         run: bool,
         /// Which module runs
         #[arg(long, default_value = "tmcm-1311", value_parser = firmware::MODULES)]
         module: String,
+        #[command(flatten)]
+        ports: firmware::Ports,
     },
     /// Check that crates import only what ARCHITECTURE.md lets them
     Layering,
@@ -57,9 +59,8 @@ fn main() -> std::process::ExitCode {
         Chore::Test { only } => test::run(only.as_deref()),
         Chore::Codegen { check } => codegen::run(mode(check)),
         Chore::Figures { check } => figures::run(mode(check)),
-        Chore::Firmware { run, module } => {
-            firmware::build().and_then(|()| if run { firmware::run(&module) } else { Ok(()) })
-        }
+        Chore::Firmware { run: false, .. } => firmware::build(),
+        Chore::Firmware { run: true, module, ports } => firmware::run(&module, &ports),
         Chore::Layering => layering::run(),
     };
     match outcome {

@@ -1,4 +1,4 @@
-//! `tmcl` as the chores run it.
+//! Our programs as the chores run them.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -13,15 +13,25 @@ pub(crate) const PROFILE: &str = "system-tests";
 
 /// Builds `tmcl` and says where it is.
 pub(crate) fn built() -> Result<PathBuf> {
+    build("tmcl", &["--package", "tmcl"])
+}
+
+/// Builds the program that runs a module on an emulated chip, of the whole workspace as the tests do, and says where it is.
+pub(crate) fn emulated_module() -> Result<PathBuf> {
+    build("emulated-module", &["--workspace", "--bin", "emulated-module"])
+}
+
+fn build(name: &str, what: &[&str]) -> Result<PathBuf> {
     let status = Command::new(env!("CARGO"))
-        .args(["build", "--profile", PROFILE, "--quiet", "--package", "tmcl"])
+        .args(["build", "--profile", PROFILE, "--quiet"])
+        .args(what)
         .current_dir(workspace_root())
         .status()
         .context("starting cargo")?;
     if !status.success() {
-        bail!("tmcl does not build");
+        bail!("{name} does not build");
     }
     let metadata = MetadataCommand::new().current_dir(workspace_root()).no_deps().exec()?;
-    let name = format!("tmcl{}", std::env::consts::EXE_SUFFIX);
+    let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     Ok(metadata.target_directory.join(PROFILE).join(name).into())
 }

@@ -92,6 +92,7 @@ fn real_clients() -> Result<()> {
         Command::new(python)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/clients"])
             .env("TMCL", program::built()?)
+            .env("EMULATED_MODULE", program::emulated_module()?)
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }

@@ -209,7 +209,8 @@ impl Drop for EmulatedChip {
     }
 }
 
-fn command(image: &Path, memory: &Path, counting: Counting) -> Command {
+/// QEMU with an image and its memory; its serial lines are for the caller to say.
+pub(crate) fn command(image: &Path, memory: &Path, counting: Counting) -> Command {
     let mut command = Command::new(QEMU);
     command
         .args(["-machine", "mps2-an385,memory-backend=psram", "-object"])

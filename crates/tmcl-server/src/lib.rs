@@ -27,7 +27,7 @@ mod tcp;
 pub use can_bus::CanError;
 pub use pacer::Advance;
 #[cfg(unix)]
-pub use pty::PtyError;
+pub use pty::{Pty, PtyError};
 pub use server::{ListenError, Server, Settings};
 pub use shared::Notice;
 pub use state::State;

@@ -4,15 +4,12 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use rustix::fs::{Mode, OFlags};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-use crate::connection::Connection;
-use crate::protocol::{BaudSource, Protocol};
-use crate::shared::Shared;
+use crate::protocol::BaudSource;
 
 /// Why there is no pseudo terminal at a path.
 #[derive(Debug, thiserror::Error)]
@@ -32,7 +29,7 @@ pub enum PtyError {
 }
 
 /// A pseudo terminal with a link to it, which goes when this goes.
-pub(crate) struct Pty {
+pub struct Pty {
     link: PathBuf,
     /// What the link points to.
     name: PathBuf,
@@ -42,25 +39,18 @@ pub(crate) struct Pty {
 }
 
 impl Pty {
-    /// Opens a pseudo terminal, links `path` to it, and serves whoever opens it. `protocol` gets our side of it.
-    pub(crate) fn listen<P: Protocol>(
-        shared: &Arc<Shared>,
-        path: &Path,
-        protocol: impl FnOnce(&File) -> io::Result<P>,
-    ) -> Result<Self, PtyError> {
+    /// Opens a pseudo terminal, raw, and links `path` to it; a link that points nowhere is replaced. Our side of it comes along:
+    /// whoever reads there is woken by a byte when this is dropped.
+    ///
+    /// # Errors
+    /// [`PtyError`] when the path is taken or there is no terminal to be had.
+    pub fn open(path: &Path) -> Result<(Self, File), PtyError> {
         // First, lest the new terminal gets the number that the stale link points to.
         remove_stale_link(path)?;
         let (controller, terminal, name) = open().map_err(io::Error::from)?;
         std::os::unix::fs::symlink(&name, path).map_err(|error| PtyError::Link(path.to_owned(), error))?;
         let pty = Self { link: path.to_owned(), name, terminal: File::from(terminal) };
-        let reader = File::from(controller);
-        let protocol = protocol(&reader)?;
-        let connection = Connection::open(shared, reader.try_clone()?, protocol).ok_or(PtyError::NoPort)?;
-        std::thread::spawn(move || {
-            // The terminal is held open on our side, so this ends when the server does.
-            let _ = connection.serve(reader);
-        });
-        Ok(pty)
+        Ok((pty, File::from(controller)))
     }
 }
 

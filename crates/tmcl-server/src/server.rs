@@ -142,8 +142,7 @@ impl Server {
                 true => Plain::following(serial, crate::pty::baud_source(controller)?),
             })
         };
-        self.ptys.push(crate::pty::Pty::listen(&self.shared, path, protocol)?);
-        Ok(())
+        self.serve_pty(path, protocol)
     }
 
     /// Opens a pseudo terminal that is a serial CAN adapter (slcan) on a CAN bus, and links `path` to it.
@@ -152,8 +151,7 @@ impl Server {
     /// [`crate::PtyError`], as with any pseudo terminal.
     #[cfg(unix)]
     pub fn listen_slcan(&mut self, path: &std::path::Path) -> Result<(), crate::PtyError> {
-        self.ptys.push(crate::pty::Pty::listen(&self.shared, path, |_| Ok(crate::slcan::Adapter::new()))?);
-        Ok(())
+        self.serve_pty(path, |_| Ok(crate::slcan::Adapter::new()))
     }
 
     /// Lets the modules take part in the CAN bus at an interface of the system, such as `can0`.
@@ -166,6 +164,25 @@ impl Server {
 }
 
 impl Server {
+    /// Serves whoever opens a pseudo terminal. `protocol` gets our side of it.
+    #[cfg(unix)]
+    fn serve_pty<P: crate::protocol::Protocol>(
+        &mut self,
+        path: &std::path::Path,
+        protocol: impl FnOnce(&std::fs::File) -> io::Result<P>,
+    ) -> Result<(), crate::PtyError> {
+        let (pty, reader) = crate::Pty::open(path)?;
+        let protocol = protocol(&reader)?;
+        let connection = crate::connection::Connection::open(&self.shared, reader.try_clone()?, protocol);
+        let connection = connection.ok_or(crate::PtyError::NoPort)?;
+        std::thread::spawn(move || {
+            // The terminal is held open on our side, so this ends when the server does.
+            let _ = connection.serve(reader);
+        });
+        self.ptys.push(pty);
+        Ok(())
+    }
+
     fn stop(&mut self) {
         let Some(pacer) = self.pacer.take() else { return };
         self.shared.stop();

@@ -7,7 +7,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 pub const CLOCK_HZ: u32 = 25_000_000;
 
 /// Cycles in a control period.
-const PERIOD: u32 = CLOCK_HZ / module_firmware::TICKS_PER_SECOND as u32;
+pub const PERIOD: u32 = CLOCK_HZ / module_firmware::TICKS_PER_SECOND as u32;
 
 /// SysTick counts 24 bits.
 const LARGEST: u32 = 0x00FF_FFFF;
