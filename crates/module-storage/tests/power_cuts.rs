@@ -1,5 +1,10 @@
 //! Power that fails at every single write: every record and instruction is then what it was or what it was to become.
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
+#![allow(
+    clippy::disallowed_types,
+    clippy::indexing_slicing,
+    clippy::unwrap_used,
+    reason = "tests: the board outlives its media, which share it"
+)]
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};

@@ -8,7 +8,6 @@
 //! This crate must never know which media it writes to, nor what a record means. It allocates nothing.
 #![no_std]
 #![deny(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-#![warn(missing_docs)]
 
 mod blocking;
 mod header;
