@@ -65,6 +65,8 @@ pub struct Measured {
     pub longest_at: u32,
     /// The longest that a byte took, with the request that it completed.
     pub longest_byte: u64,
+    /// The longest that a step of work in the background took: reading or writing the storage.
+    pub longest_work: u64,
 }
 
 /// Bytes of stack.
@@ -115,7 +117,7 @@ impl EmulatedChip {
     /// # Errors
     /// [`EmulatorError`] where the chip does not answer.
     pub fn measure(&mut self) -> Result<Measured, EmulatorError> {
-        let [periods, total, longest, longest_at, longest_byte] = self.numbers(b'M')?;
+        let [periods, total, longest, longest_at, longest_byte, longest_work] = self.numbers(b'M')?;
         let count = |cycles: u32| match self.counting {
             Counting::Clock => cycles.into(),
             Counting::Instructions => {
@@ -128,6 +130,7 @@ impl EmulatedChip {
             longest: count(longest),
             longest_at,
             longest_byte: count(longest_byte),
+            longest_work: count(longest_work),
         })
     }
 

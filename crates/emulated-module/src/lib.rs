@@ -21,7 +21,7 @@ mod virtual_target;
 
 pub use bridge::Bridge;
 pub use chip::{Counting, EmulatedChip, EmulatorError, Measured, QEMU, Stack};
-pub use desk::{DeskError, DeskModule};
+pub use desk::{DeskError, DeskModule, Harness};
 pub use play::{Target, play};
 pub use session::{Act, Line, Session, SessionError};
 pub use virtual_target::VirtualTarget;

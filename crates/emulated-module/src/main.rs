@@ -56,15 +56,19 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     })
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
     let memory = memory(arguments)?;
-    let (_module, line) = DeskModule::start(&image(&arguments.module), &memory).map_err(text)?;
+    let (_module, line, mut harness) = DeskModule::start(&image(&arguments.module), &memory).map_err(text)?;
     eprintln!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
         arguments.module,
         memory.display()
     );
-    let mut bridge = Bridge::start(line, move || {
-        let _ = end.send(End::ChipGone);
-    })
+    let mut bridge = Bridge::start(
+        line,
+        move || harness.client_left(),
+        move || {
+            let _ = end.send(End::ChipGone);
+        },
+    )
     .map_err(text)?;
     listen(&mut bridge, arguments)?;
     match ended.recv() {

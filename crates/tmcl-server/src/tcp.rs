@@ -11,8 +11,11 @@ use crate::connection::Connection;
 use crate::protocol::Plain;
 use crate::shared::{Notice, Shared, lock};
 
-/// How long a listener waits after a failure.
+/// How long a listener waits after a failure, and before it looks for a line again.
 const RETRY: Duration = Duration::from_millis(100);
+
+/// How long a client waits for a line where all are taken: another may just be leaving.
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// A listening socket and its clients.
 pub(crate) struct Tcp {
@@ -73,7 +76,7 @@ fn welcome(
     // A reply is nine bytes, and the client waits for it.
     stream.set_nodelay(true)?;
     let peer = stream.peer_addr()?;
-    let Some(connection) = Connection::open(shared, stream.try_clone()?, Plain::new(wiring)) else {
+    let Some(connection) = line_for(&stream, shared, wiring)? else {
         shared.notify(Notice::Refused(peer.to_string()));
         return stream.shutdown(Shutdown::Both);
     };
@@ -86,4 +89,20 @@ fn welcome(
         lock(&clients).retain(|client| client.peer_addr().is_ok_and(|other| other != peer));
     });
     Ok(())
+}
+
+/// A line for a client, if there is one or one becomes free.
+fn line_for(
+    stream: &TcpStream,
+    shared: &Arc<Shared>,
+    wiring: Wiring,
+) -> io::Result<Option<Connection<TcpStream, Plain>>> {
+    let tries = PATIENCE.as_millis() / RETRY.as_millis();
+    for _ in 0..tries {
+        if let Some(connection) = Connection::open(shared, stream.try_clone()?, Plain::new(wiring)) {
+            return Ok(Some(connection));
+        }
+        std::thread::sleep(RETRY);
+    }
+    Ok(Connection::open(shared, stream.try_clone()?, Plain::new(wiring)))
 }

@@ -11,7 +11,7 @@
 //! | `P` | | switches the module off and on: what it stored is kept, the rotor keeps its place |
 //! | `L` | torque (f64, Nm) | the load's torque from now on |
 //! | `I` | number, level | the level of a digital input |
-//! | `M` | | answers `M`, the measurements since the last `M` (five u32: [`Measured`]) |
+//! | `M` | | answers `M`, the measurements since the last `M` (six u32: [`Measured`]) |
 //! | `K` | | answers `K`, the bytes of stack that were ever used and those there are (two u32) |
 //! | `F` | | gives UART 0 to port 0 and lets time pass by the clock, or as fast as it can, for ever |
 
@@ -25,6 +25,7 @@ use crate::psram::{self, Media};
 use crate::stack;
 use crate::systick::{CLOCK_HZ, Cycles, PERIOD};
 use crate::uart::Uart;
+use crate::wake::Alarm;
 
 /// Cycles of SysTick that control periods and bytes took.
 #[derive(Clone, Copy, Default)]
@@ -39,6 +40,8 @@ struct Measured {
     longest_at: u32,
     /// The longest that a byte took, with the request that it completed.
     longest_byte: u32,
+    /// The longest that one call of [`Firmware::background`] took.
+    longest_work: u32,
 }
 
 /// A module and what it drives.
@@ -106,7 +109,10 @@ where
     /// What has to be done in the background; these media take no virtual time.
     fn work(&mut self) {
         while self.firmware.has_background_work() {
+            let before = self.cycles.now();
             self.firmware.background(&mut self.media);
+            let took = self.cycles.between(before, self.cycles.now()).saturating_sub(self.overhead);
+            self.measured.longest_work = self.measured.longest_work.max(took);
         }
     }
 
@@ -261,12 +267,12 @@ where
                 module.hardware.apply(Setting::Input { number, high: level != 0 });
             }
             b'M' => {
-                let Measured { periods, total, longest, longest_at, longest_byte } =
+                let Measured { periods, total, longest, longest_at, longest_byte, longest_work } =
                     core::mem::take(&mut module.measured);
-                harness.numbers(b'M', &[periods, total, longest, longest_at, longest_byte]);
+                harness.numbers(b'M', &[periods, total, longest, longest_at, longest_byte, longest_work]);
             }
             b'K' => harness.numbers(b'K', &[stack::used(), stack::size()]),
-            b'F' => run_freely(module),
+            b'F' => run_freely(module, harness),
             _ => continue,
         }
         harness.say(b"A");
@@ -274,36 +280,59 @@ where
     }
 }
 
-/// How far virtual time may fall behind the clock before it slips, in cycles: 10 ms, as the host may let QEMU wait.
-const PATIENCE: u32 = CLOCK_HZ / 100;
+/// How far virtual time may fall behind the clock before it slips, in cycles: 200 ms, as the host may let QEMU wait.
+const PATIENCE: u32 = CLOCK_HZ / 5;
 
-/// As a module on a desk: UART 0 is its port, and time is the clock's where the processor keeps up with it.
-fn run_freely<A, H>(mut module: Module<A, H>) -> !
+/// For how long no byte must have come before a client that left is taken to have said all, in cycles: 5 ms.
+const ALL_SAID: u32 = CLOCK_HZ / 200;
+
+/// As a module on a desk: UART 0 is its port, and time is the clock's where the processor keeps up with it. The harness may say
+/// `X`: the client at the port has left; it is answered with `A` when the module has forgotten it.
+fn run_freely<A, H>(mut module: Module<A, H>, mut harness: Harness) -> !
 where
     A: Axis,
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
 {
     let [port, ..] = PortId::ALL;
     let mut uart = Uart::tmcl();
+    let mut alarm = Alarm::set([&mut uart, &mut harness.0]);
     // A byte that found no room yet; the UART holds the next, and whoever sends it.
     let mut waiting = None;
     let mut last = module.cycles.now();
     let mut due = 0;
+    // While a client leaves: for how long no byte has come.
+    let mut leaving: Option<u32> = None;
     loop {
+        alarm.clear([&mut uart, &mut harness.0]);
         let now = module.cycles.now();
-        due = PATIENCE.min(due + module.cycles.between(last, now));
+        let passed = module.cycles.between(last, now);
+        due = PATIENCE.min(due + passed);
         last = now;
-        if due >= PERIOD {
+        let is_due = due >= PERIOD;
+        if is_due {
             due -= PERIOD;
             if !module.tick() {
                 due -= module.rest(u64::from(due / PERIOD)) as u32 * PERIOD;
             }
         }
-        waiting = waiting.or_else(|| uart.receive()).filter(|byte| !module.receive(port, *byte));
+        let came = waiting.take().or_else(|| uart.receive());
+        waiting = came.filter(|byte| !module.receive(port, *byte));
         while uart.has_room()
             && let Some(byte) = module.transmit(port)
         {
             uart.send(byte);
+        }
+        if harness.0.receive() == Some(b'X') {
+            leaving = Some(0);
+        }
+        leaving = leaving.map(|quiet| if came.is_some() { 0 } else { quiet.saturating_add(passed) });
+        if leaving.is_some_and(|quiet| quiet >= ALL_SAID) {
+            leaving = None;
+            module.firmware.disconnect(port);
+            harness.say(b"A");
+        }
+        if !is_due && came.is_none() && !module.firmware.has_output(port) {
+            alarm.sleep();
         }
     }
 }

@@ -15,6 +15,7 @@ pub mod psram;
 pub mod stack;
 pub mod systick;
 pub mod uart;
+mod wake;
 
 pub use bench::run_bench;
 pub use memory::Exchange;
