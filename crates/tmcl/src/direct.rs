@@ -9,7 +9,7 @@ mod meaning;
 mod refusal;
 
 pub(crate) use commands::{lines, reason, understood};
-pub(crate) use exchange::{Answer, Exchange, ask, send};
+pub(crate) use exchange::{Answer, Exchange, ask, hexadecimal, send};
 pub(crate) use item::{reading, writing};
 pub(crate) use language::{Entered, Language, Prepared, Spoken};
 pub(crate) use meaning::Meaning;
