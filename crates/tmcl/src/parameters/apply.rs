@@ -113,7 +113,7 @@ fn store_all(client: &mut AnyClient, config: &Config, progress: &mut Progress) -
         match store(client, item) {
             Ok(()) => progress.stored += 1,
             Err(error @ ClientError::Status { .. }) => {
-                progress.refused.push((item, refused(&item.name(), &error)))
+                progress.refused.push((item, refused(&item.name(), &error)));
             }
             Err(error) => return Err(failure(&error)),
         }
