@@ -13,7 +13,7 @@ fuzz_target!(|bytes: &[u8]| {
     let formatted = format(bytes);
     assert_eq!(format(&formatted), formatted);
     let assembly = assemble(source(bytes.to_vec()), None, &mut NoIncludes);
-    assemble_commands(source(bytes.to_vec()), assembly.program.module, &mut NoIncludes);
+    let _ = assemble_commands(source(bytes.to_vec()), assembly.program.module, &mut NoIncludes);
     if assembly.has_errors() {
         return;
     }

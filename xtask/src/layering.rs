@@ -17,6 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tmcl-vm", &["tmcl-tables", "tmcl-wire"]),
     ("tmcl-lang", &["tmcl-tables"]),
     ("module-firmware", &["tmcl-tables", "tmcl-wire", "tmcl-vm", "motion-control"]),
+    ("module-storage", &["tmcl-tables", "tmcl-vm", "module-firmware"]),
     ("bench-hardware", &["module-firmware", "driver-chips", "motor-physics"]),
     (
         "virtual-bench",
@@ -52,11 +53,13 @@ const NO_STD: &[&str] = &[
     "tmcl-wire",
     "tmcl-vm",
     "module-firmware",
+    "module-storage",
     "bench-hardware",
 ];
 
 /// What the `no_std` crates may import from outside.
-const NO_STD_LIBRARIES: &[&str] = &["libm", "thiserror"];
+const NO_STD_LIBRARIES: &[&str] =
+    &["embedded-storage", "embedded-storage-async", "libm", "sequential-storage", "thiserror"];
 
 /// Compares the workspace with the tables above.
 pub(crate) fn run() -> Result<()> {

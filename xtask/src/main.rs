@@ -4,6 +4,7 @@
 mod codegen;
 mod figures;
 mod firmware;
+mod fuzz;
 mod layering;
 mod program;
 mod test;

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 
 use crate::program::{self, PROFILE};
-use crate::{codegen, figures, firmware as images, layering, workspace_root};
+use crate::{codegen, figures, firmware as images, fuzz, layering, workspace_root};
 
 /// A step: its name and what it does.
 type Step = (&'static str, fn() -> Result<()>);
@@ -19,12 +19,15 @@ const STEPS: &[Step] = &[
     ("codegen", || codegen::run(codegen::Mode::Check)),
     ("tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--all-targets"])),
     ("doc tests", || cargo(&["test", "--profile", PROFILE, "--workspace", "--doc"])),
-    ("documentation", documentation),
     ("firmware", firmware),
+    (REAL_CLIENTS, real_clients),
+    ("fuzz", fuzz::run),
+    ("documentation", documentation),
     ("figures", || figures::run(codegen::Mode::Check)),
-    ("real clients", real_clients),
-    ("fuzz", fuzz),
 ];
+
+/// The step that mostly waits. Those after it run beside it; what it says comes when it ends.
+const REAL_CLIENTS: &str = "real clients";
 
 /// Runs the steps whose name contains `only`; stops at nothing, fails if one failed.
 pub(crate) fn run(only: Option<&str>) -> Result<()> {
@@ -34,25 +37,58 @@ pub(crate) fn run(only: Option<&str>) -> Result<()> {
         let names: Vec<_> = STEPS.iter().map(|(name, _)| *name).collect();
         bail!("no step of that name; there are: {}", names.join(", "));
     }
-    let mut lines = Vec::new();
-    let mut failed = 0;
-    for (name, step) in &steps {
-        eprintln!("\n── {name}");
-        let start = Instant::now();
-        let outcome = step();
-        let seconds = start.elapsed().as_secs_f64();
-        match outcome {
-            Ok(()) => lines.push(format!("  ok      {name} ({seconds:.1} s)")),
-            Err(error) => {
-                failed += 1;
-                eprintln!("{name}: {error:#}");
-                lines.push(format!("  FAILED  {name} ({seconds:.1} s): {}", first_line(&error)));
+    let outcomes = std::thread::scope(|scope| {
+        let mut outcomes = Vec::new();
+        let mut beside = None;
+        for step in &steps {
+            if step.0 == REAL_CLIENTS {
+                eprintln!("\n── {REAL_CLIENTS}: beside those that follow");
+                beside = Some((outcomes.len(), scope.spawn(|| outcome(step))));
+            } else {
+                eprintln!("\n── {}", step.0);
+                outcomes.push(outcome(step));
             }
         }
-    }
+        if let Some((place, thread)) = beside {
+            let panicked =
+                || Outcome { name: REAL_CLIENTS, seconds: 0.0, error: Some(anyhow!("it panicked")) };
+            outcomes.insert(place, thread.join().unwrap_or_else(|_| panicked()));
+        }
+        outcomes
+    });
+    let lines: Vec<_> = outcomes.iter().map(Outcome::line).collect();
     println!("\nSummary\n{}\n", lines.join("\n"));
+    let failed = outcomes.iter().filter(|outcome| outcome.error.is_some()).count();
     println!("{} passed, {failed} failed", steps.len() - failed);
     if failed > 0 { bail!("{failed} of {} steps failed", steps.len()) } else { Ok(()) }
+}
+
+/// How a step ended.
+struct Outcome {
+    name: &'static str,
+    seconds: f64,
+    error: Option<anyhow::Error>,
+}
+
+impl Outcome {
+    /// Its line in the summary.
+    fn line(&self) -> String {
+        let Self { name, seconds, error } = self;
+        match error {
+            None => format!("  ok      {name} ({seconds:.1} s)"),
+            Some(error) => format!("  FAILED  {name} ({seconds:.1} s): {}", first_line(error)),
+        }
+    }
+}
+
+/// Runs a step, and says what went wrong in it.
+fn outcome(&(name, step): &Step) -> Outcome {
+    let start = Instant::now();
+    let error = step().err();
+    if let Some(error) = &error {
+        eprintln!("{name}: {error:#}");
+    }
+    Outcome { name, seconds: start.elapsed().as_secs_f64(), error }
 }
 
 fn first_line(error: &anyhow::Error) -> String {
@@ -65,20 +101,19 @@ fn cargo(arguments: &[&str]) -> Result<()> {
 
 fn documentation() -> Result<()> {
     check(
-        Command::new(env!("CARGO"))
+        fuzz::gentle(Path::new(env!("CARGO")))
             .args(["doc", "--workspace", "--no-deps", "--document-private-items"])
             .env("RUSTDOCFLAGS", "-D warnings -A rustdoc::private_intra_doc_links"),
     )
 }
 
-/// The images, what they take, their storage, and sessions on an emulated chip.
+/// The images, what they take, and sessions on an emulated chip.
 fn firmware() -> Result<()> {
     let folder = workspace_root().join("firmware");
     let run = |arguments: &[&str]| check_in(&folder, Command::new(env!("CARGO")).args(arguments));
     run(&["fmt", "--all", "--check"])?;
     images::emulator()?;
     images::build()?;
-    run(&["test", "--package", "module-storage"])?;
     // Of the whole workspace, as the step "tests" builds it: nothing is compiled twice.
     let tests =
         ["--features", "emulated-module/emulator", "--test", "emulated_chips", "--test", "power_cuts"];
@@ -88,7 +123,7 @@ fn firmware() -> Result<()> {
 /// PyTrinamic, unmodified, against `tmcl serve`, in a virtual environment under `target/`.
 fn real_clients() -> Result<()> {
     let python = virtual_environment()?;
-    check(
+    check_quietly(
         Command::new(python)
             .args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/clients"])
             .env("TMCL", program::built()?)
@@ -113,44 +148,22 @@ fn virtual_environment() -> Result<PathBuf> {
     Ok(python)
 }
 
-/// What parses bytes or text from outside.
-const FUZZ_TARGETS: [&str; 11] = [
-    "serial_decoder",
-    "firmware_bytes",
-    "ascii",
-    "program",
-    "bench_file",
-    "config_file",
-    "eeprom_image",
-    "expectation",
-    "client_replies",
-    "slcan",
-    "assembler",
-];
-
-/// Each fuzz target for a few seconds, from an empty corpus: a smoke run, not a campaign.
-fn fuzz() -> Result<()> {
-    let tools = workspace_root().join("target/tools");
-    let cargo_fuzz = tools.join("bin/cargo-fuzz");
-    if !cargo_fuzz.exists() {
-        eprintln!("installing cargo-fuzz into {}", tools.display());
-        let install = ["install", "--quiet", "--locked", "cargo-fuzz", "--root"];
-        check(Command::new(env!("CARGO")).args(install).arg(&tools))
-            .context("cargo needs to reach crates.io")?;
-    }
-    for target in FUZZ_TARGETS {
-        check(
-            Command::new(&cargo_fuzz)
-                .args(["run", target, "--", "-max_total_time=5", "-verbosity=0"])
-                .env("RUSTC_BOOTSTRAP", "1"),
-        )
-        .context("a C++ compiler is needed to link libFuzzer: `apt-get install g++`")?;
-    }
-    Ok(())
-}
-
 fn check(command: &mut Command) -> Result<()> {
     check_in(&workspace_root(), command)
+}
+
+/// Like [`check`], for what runs beside other steps: all that the program says is shown at once when it ends.
+fn check_quietly(command: &mut Command) -> Result<()> {
+    let shown = format!("{command:?}");
+    let output =
+        command.current_dir(workspace_root()).output().with_context(|| format!("starting {shown}"))?;
+    let [text, messages] =
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    eprintln!("\n── {REAL_CLIENTS}\n{text}{messages}");
+    if !output.status.success() {
+        bail!("{shown} ended with {}", output.status);
+    }
+    Ok(())
 }
 
 fn check_in(folder: &Path, command: &mut Command) -> Result<()> {
