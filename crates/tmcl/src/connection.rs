@@ -279,7 +279,12 @@ pub(crate) fn follow(client: &mut AnyClient, bank: u8, number: u8, value: i64) -
 
 /// As [`failure`], with what went over the line.
 pub(crate) fn told<L: Link>(client: &Client<L>, error: &ClientError) -> Failure {
-    let failure = failure(error);
+    told_with(client, error, "")
+}
+
+/// As [`told`], with what there is to say about it.
+pub(crate) fn told_with<L: Link>(client: &Client<L>, error: &ClientError, advice: &str) -> Failure {
+    let failure = failure(error).and_says(advice);
     match (error, client.last_exchange()) {
         (ClientError::Link(_), _) | (_, None) => failure,
         (_, Some(exchange)) => failure.and_says(&format!("\n{exchange}")),

@@ -13,4 +13,4 @@ pub(crate) use exchange::{Answer, Exchange, ask, hexadecimal, send};
 pub(crate) use item::{reading, writing};
 pub(crate) use language::{Entered, Language, Prepared, Spoken};
 pub(crate) use meaning::Meaning;
-pub(crate) use refusal::refusal;
+pub(crate) use refusal::{addresses, refusal};
