@@ -1,8 +1,10 @@
 //! A CAN bus outside: the modules take part in it through a link of this computer.
 
+mod outbox;
+
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tmcl_link::LinkError;
 use tmcl_link::can::{CanFrame, CanLink, SocketCan};
@@ -10,9 +12,13 @@ use virtual_bench::can::Frame;
 use virtual_bench::{Bench, PortId, Wiring};
 
 use crate::shared::{Notice, Shared};
+use outbox::Outbox;
 
 /// How long to listen before looking whether the modules have something to say unasked.
 const PATIENCE: Duration = Duration::from_millis(1);
+
+/// How long a frame may take to get out, however long the system thinks about it.
+const LONGEST: Duration = Duration::from_secs(1);
 
 /// Why the modules take no part in a CAN bus.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +40,7 @@ pub(crate) fn join(shared: &Arc<Shared>, interface: &str) -> Result<(), CanError
     let line = shared.connect(wake, Wiring::CAN).ok_or(CanError::NoPort)?;
     let shared = Arc::clone(shared);
     std::thread::spawn(move || {
-        if let Err(error) = take_part(&shared, line, link) {
+        if let Err(error) = take_part(&shared, line, &name, link) {
             shared.notify(Notice::ClientFailed(format!("{name}: {error}")));
         }
         shared.disconnect(line);
@@ -42,11 +48,17 @@ pub(crate) fn join(shared: &Arc<Shared>, interface: &str) -> Result<(), CanError
     Ok(())
 }
 
-fn take_part(shared: &Shared, line: PortId, mut link: impl CanLink) -> Result<(), LinkError> {
+/// Ends when nothing can be heard any more. That something cannot be said is no end: it may be possible later.
+fn take_part(shared: &Shared, line: PortId, name: &str, mut link: impl CanLink) -> Result<(), LinkError> {
+    let mut outbox = Outbox::default();
     while !shared.is_stopping() {
         let heard = link.receive(PATIENCE)?;
         for frame in shared.exchange(|bench| pass(bench, line, heard)) {
-            link.send(frame)?;
+            let start = Instant::now();
+            let is_enough = || shared.is_stopping() || start.elapsed() > LONGEST;
+            if let Err(error) = outbox.send(&mut link, frame, is_enough) {
+                shared.notify(Notice::NotSent(format!("{name}: {error}")));
+            }
         }
     }
     Ok(())
@@ -112,7 +124,7 @@ mod tests {
         let ((there, to_us), (from_us, here)) = (channel(), channel());
         let part = std::thread::spawn({
             let shared = Arc::clone(&shared);
-            move || take_part(&shared, line, Wire { to_us, from_us })
+            move || take_part(&shared, line, "can0", Wire { to_us, from_us })
         });
         let frame = |id, bytes: &[u8]| CanFrame::new(id, bytes).expect("it fits");
         for (id, module) in [(1, 1), (3, 3)] {

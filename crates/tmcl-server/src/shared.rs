@@ -21,6 +21,8 @@ pub enum Notice {
     ClientFailed(String),
     /// What a module stored could not be written to its file. It is tried again.
     NotKept(String),
+    /// What the modules say does not get out to a CAN bus, and is lost until there is room again.
+    NotSent(String),
 }
 
 /// The bench behind its mutex, and who is connected.

@@ -4,14 +4,18 @@
 //! leaves. So a process that is killed leaves what a power cut leaves. Nothing is forced to the disk before the end: what the
 //! machine has not written when it crashes itself is lost.
 
-use std::collections::VecDeque;
+mod file;
+mod lock;
+
 use std::fs::{self, File};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use virtual_bench::config::ModuleConfig;
-use virtual_bench::eeprom::{ImageError, Patch};
+use virtual_bench::eeprom::ImageError;
 use virtual_bench::{Bench, BenchConfig, Eeprom, ModuleId};
+
+use file::{StateFile, create};
 
 /// What the name of an image ends in.
 const ENDING: &str = "eeprom";
@@ -117,11 +121,14 @@ impl State {
     /// to nothing when there is nothing.
     ///
     /// # Errors
-    /// When a file takes no more, the first time. What was not written is kept, and tried again with the next call.
+    /// When a file takes no more, the first time. What was not written is tried again with the next calls; of what is stored until
+    /// then, the newest counts.
     pub fn save(&mut self, bench: &mut Bench) -> Result<(), StateError> {
         let mut result = Ok(());
         for (index, file) in self.files.iter_mut().enumerate() {
-            result = result.and(file.save(bench.eeprom_mut(ModuleId(index))));
+            if let Some(eeprom) = bench.eeprom_mut(ModuleId(index)) {
+                result = result.and(file.save(eeprom));
+            }
         }
         let is_new = !std::mem::replace(&mut self.failing, result.is_err());
         if is_new { result } else { Ok(()) }
@@ -132,11 +139,13 @@ impl State {
     /// # Errors
     /// When something could not be written; then it is lost.
     pub fn finish(&mut self, bench: &mut Bench) -> Result<(), StateError> {
-        self.failing = false;
-        self.save(bench)?;
-        self.files.iter().try_for_each(|file| {
-            file.file.sync_all().map_err(|error| StateError::File(file.path.clone(), error))
-        })
+        let mut result = Ok(());
+        for (index, file) in self.files.iter_mut().enumerate() {
+            if let Some(eeprom) = bench.eeprom_mut(ModuleId(index)) {
+                result = result.and(file.finish(eeprom));
+            }
+        }
+        result
     }
 
     /// How worn the EEPROMs are.
@@ -147,7 +156,7 @@ impl State {
             let name = bench.name(ModuleId(index))?.to_owned();
             let writes = eeprom.writes();
             let (_, most_worn) = eeprom.most_worn();
-            Some(Wear { name, writes_now: writes.saturating_sub(file.writes_before), writes, most_worn })
+            Some(Wear { name, writes_now: writes.saturating_sub(file.writes_before()), writes, most_worn })
         });
         wear.collect()
     }
@@ -191,9 +200,7 @@ impl<'a> Found<'a> {
                 (create(&path, &eeprom.to_image()).map_err(in_file)?, eeprom)
             }
         };
-        eeprom.note_patches();
-        let writes_before = eeprom.writes();
-        Ok((StateFile { path, file, writes_before, pending: VecDeque::new() }, eeprom, set_aside))
+        Ok((StateFile::new(path, file, &mut eeprom), eeprom, set_aside))
     }
 }
 
@@ -219,47 +226,6 @@ fn read_module(
         }),
         read => Ok(read),
     }
-}
-
-/// One module's file, which nobody else writes while it is open.
-#[derive(Debug)]
-struct StateFile {
-    path: PathBuf,
-    file: File,
-    writes_before: u64,
-    /// What is still to be written, in order.
-    pending: VecDeque<Patch>,
-}
-
-impl StateFile {
-    fn save(&mut self, eeprom: Option<&mut Eeprom>) -> Result<(), StateError> {
-        if let Some(eeprom) = eeprom.filter(|eeprom| eeprom.has_patches()) {
-            self.pending.extend(eeprom.take_patches());
-        }
-        while let Some(patch) = self.pending.front() {
-            // One that fails is written again from its beginning.
-            write_at(&mut self.file, patch).map_err(|error| StateError::File(self.path.clone(), error))?;
-            self.pending.pop_front();
-        }
-        Ok(())
-    }
-}
-
-/// A new file of this name is there whole or not at all.
-fn create(path: &Path, image: &[u8]) -> io::Result<File> {
-    let new = path.with_extension(format!("{ENDING}.new"));
-    let mut file = File::options().read(true).write(true).create(true).truncate(true).open(&new)?;
-    file.write_all(image)?;
-    file.sync_all()?;
-    // Nobody can have it yet: we have the folder.
-    lock::try_now(&file)?;
-    fs::rename(&new, path)?;
-    Ok(file)
-}
-
-fn write_at(file: &mut File, patch: &Patch) -> io::Result<()> {
-    file.seek(SeekFrom::Start(u64::try_from(patch.offset).map_err(io::Error::other)?))?;
-    file.write_all(&patch.bytes)
 }
 
 /// `NAME.eeprom.corrupt`, or `.corrupt.1` and so on where there are such already.
@@ -307,45 +273,4 @@ pub fn read_image(path: &Path) -> Result<Result<Eeprom, ImageError>, StateError>
         found = read()?;
     }
     Ok(found)
-}
-
-#[cfg(unix)]
-mod lock {
-    //! Locks that a process loses when it ends, however it ends.
-
-    use std::fs::File;
-    use std::io;
-
-    use rustix::fs::{FlockOperation, flock};
-    use rustix::io::Errno;
-
-    /// Waits for whoever has it.
-    pub(super) fn wait(file: &File) -> io::Result<()> {
-        Ok(flock(file, FlockOperation::LockExclusive)?)
-    }
-
-    /// False when somebody else has it.
-    pub(super) fn try_now(file: &File) -> io::Result<bool> {
-        match flock(file, FlockOperation::NonBlockingLockExclusive) {
-            Ok(()) => Ok(true),
-            Err(Errno::WOULDBLOCK) => Ok(false),
-            Err(error) => Err(error.into()),
-        }
-    }
-}
-
-#[cfg(not(unix))]
-mod lock {
-    //! No locks: two servers in one folder are not noticed.
-
-    use std::fs::File;
-    use std::io;
-
-    pub(super) fn wait(_file: &File) -> io::Result<()> {
-        Ok(())
-    }
-
-    pub(super) fn try_now(_file: &File) -> io::Result<bool> {
-        Ok(true)
-    }
 }

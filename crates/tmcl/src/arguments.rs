@@ -19,7 +19,7 @@ use crate::commands::{application, apply, diff, dump, get, restore, set, store, 
 use crate::module_name;
 use crate::panel::{self, PanelText};
 use crate::program::lints::LintOptions;
-pub(crate) use values::{Baud, duration, interval, nanoseconds};
+pub(crate) use values::{Baud, duration, interval};
 use values::{baud, code, rpm, speed, tcp_address, turns};
 
 #[derive(Parser)]

@@ -6,7 +6,6 @@
 mod environment;
 mod file;
 mod place;
-mod values;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -14,12 +13,13 @@ use std::time::Duration;
 
 use clap::Args;
 use tmcl_client::{AnyLink, Client, ClientError, Parties, Settings};
+use tmcl_config::connection::{self, ConnectionSettings};
+pub(crate) use tmcl_config::connection::{BaudRates, address};
 use tmcl_link::Link;
 use tmcl_tables::{GlobalParameter, ModuleSpec};
 
 use crate::exit::{Code, Failure};
 use place::Place;
-pub(crate) use values::{BaudRates, address};
 
 /// Where `tmcl serve` listens when nothing is said.
 const DEFAULT_PORT: &str = "tcp://127.0.0.1:5311";
@@ -33,19 +33,19 @@ pub(crate) struct ConnectionOptions {
     #[arg(short, long, value_name = "WHERE")]
     pub(crate) port: Option<String>,
     /// Bits per second of a serial port [default: 9600]
-    #[arg(long, value_name = "RATE", value_parser = values::baud_rates)]
+    #[arg(long, value_name = "RATE", value_parser = connection::baud_rates)]
     pub(crate) baud: Option<BaudRates>,
     /// The module's address; on CAN its identifier, to 0x7FF [default: 1]
-    #[arg(long, value_name = "N", value_parser = values::address)]
+    #[arg(long, value_name = "N", value_parser = connection::address)]
     pub(crate) address: Option<u16>,
     /// The address, or CAN identifier, that it replies to [default: 2]
-    #[arg(long, value_name = "N", value_parser = values::address)]
+    #[arg(long, value_name = "N", value_parser = connection::address)]
     pub(crate) host_address: Option<u16>,
     /// How long to wait for a reply: 500ms, 1s [default: 1s]
-    #[arg(long, value_name = "TIME", value_parser = values::timeout)]
+    #[arg(long, value_name = "TIME", value_parser = connection::timeout)]
     pub(crate) timeout: Option<Duration>,
     /// How often to ask again where that does no harm [default: 2]
-    #[arg(long, value_name = "N", value_parser = values::retries)]
+    #[arg(long, value_name = "N", value_parser = connection::retries)]
     pub(crate) retries: Option<u32>,
 }
 
@@ -78,6 +78,13 @@ impl ConnectionOptions {
             timeout: self.timeout.or(below.timeout),
             retries: self.retries.or(below.retries),
         }
+    }
+}
+
+impl From<ConnectionSettings> for ConnectionOptions {
+    fn from(settings: ConnectionSettings) -> Self {
+        let ConnectionSettings { port, baud, address, host_address, timeout, retries } = settings;
+        Self { port, baud, address, host_address, timeout, retries }
     }
 }
 
@@ -272,7 +279,12 @@ pub(crate) fn follow(client: &mut AnyClient, bank: u8, number: u8, value: i64) -
 
 /// As [`failure`], with what went over the line.
 pub(crate) fn told<L: Link>(client: &Client<L>, error: &ClientError) -> Failure {
-    let failure = failure(error);
+    told_with(client, error, "")
+}
+
+/// As [`told`], with what there is to say about it.
+pub(crate) fn told_with<L: Link>(client: &Client<L>, error: &ClientError, advice: &str) -> Failure {
+    let failure = failure(error).and_says(advice);
     match (error, client.last_exchange()) {
         (ClientError::Link(_), _) | (_, None) => failure,
         (_, Some(exchange)) => failure.and_says(&format!("\n{exchange}")),

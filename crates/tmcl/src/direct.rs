@@ -9,8 +9,8 @@ mod meaning;
 mod refusal;
 
 pub(crate) use commands::{lines, reason, understood};
-pub(crate) use exchange::{Answer, Exchange, ask, send};
+pub(crate) use exchange::{Answer, Exchange, ask, hexadecimal, send};
 pub(crate) use item::{reading, writing};
 pub(crate) use language::{Entered, Language, Prepared, Spoken};
 pub(crate) use meaning::Meaning;
-pub(crate) use refusal::refusal;
+pub(crate) use refusal::{addresses, refusal};

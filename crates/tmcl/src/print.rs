@@ -30,6 +30,11 @@ pub(crate) fn json(value: &impl Serialize) -> io::Result<()> {
     text(&format!("{}\n", serde_json::to_string_pretty(value)?))
 }
 
+/// Data on stdout as JSON, a line of it.
+pub(crate) fn json_line(value: &impl Serialize) -> io::Result<()> {
+    text(&format!("{}\n", serde_json::to_string(value)?))
+}
+
 /// A bar on stderr, where that is a terminal.
 pub(crate) fn progress(length: usize, what: &str) -> ProgressBar {
     let bar = ProgressBar::new(length as u64);

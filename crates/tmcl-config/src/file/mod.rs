@@ -3,11 +3,10 @@
 //! The text says which module it is for, then what each parameter holds: `[axis]`, `[global]`, `[connection]`, `[variable]`
 //! and `[coordinate]`. `docs/parameters.md` describes it for people.
 
-mod finding;
 mod parse;
 mod write;
 
-pub use finding::Finding;
+pub use crate::finding::Finding;
 pub use parse::{Config, Entry, parse};
 pub use write::{Header, write};
 

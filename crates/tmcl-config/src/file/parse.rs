@@ -6,8 +6,8 @@ use tmcl_tables::{MODULES, ModuleSpec, Role, module_by_id};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::finding::Finding;
 use super::{SECTIONS, key, section};
+use crate::finding::Finding;
 use crate::item::{Item, items};
 use crate::name::Name;
 use crate::suggest;

@@ -1,5 +1,7 @@
 //! What options take, and what they say to anything else.
 
+use tmcl_config::nanoseconds;
+
 pub(super) fn code(text: &str) -> Result<tmcl_lang::Code, String> {
     text.parse().map_err(|_| "no such code; `tmcl explain` lists them".to_owned())
 }
@@ -61,20 +63,6 @@ pub(crate) fn duration(text: &str) -> Result<u64, String> {
     nanoseconds(text)
         .filter(|time_ns| (50_000.0..=3.6e17).contains(time_ns))
         .map_or_else(|| Err(EXPECTED.to_owned()), |time_ns| Ok(time_ns as u64))
-}
-
-/// A number and its unit.
-pub(crate) fn nanoseconds(text: &str) -> Option<f64> {
-    let number = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
-    let scale = match &text[number.len()..] {
-        "us" => 1e3,
-        "ms" => 1e6,
-        "s" => 1e9,
-        "min" => 60e9,
-        "h" => 3.6e12,
-        _ => return None,
-    };
-    Some(number.parse::<f64>().ok()? * scale)
 }
 
 pub(super) fn speed(text: &str) -> Result<f64, String> {

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use tmcl_client::{ClientError, ProgramStatus};
-use tmcl_tables::ModuleSpec;
+use tmcl_tables::{MODULES, ModuleSpec, Status};
 
-use crate::connection::{AnyClient, ConnectionOptions, told};
+use crate::connection::{AnyClient, ConnectionOptions, told, told_with};
+use crate::direct::addresses;
 use crate::exit::{Code, Failure, Outcome};
 use crate::print;
 use crate::program::symbols::SymbolFile;
@@ -20,7 +21,7 @@ use crate::program::symbols::SymbolFile;
 pub(crate) struct Start {
     /// The address to start at
     #[arg(id = "start", value_name = "ADDRESS", value_parser = address)]
-    address: Option<u16>,
+    address: Option<u32>,
     #[command(flatten)]
     options: Options,
 }
@@ -38,13 +39,21 @@ pub(crate) struct Options {
     connection: ConnectionOptions,
 }
 
-fn address(text: &str) -> Result<u16, String> {
-    text.parse().map_err(|_| "an address in the program memory is expected, a number from 0 on".to_owned())
+/// What a module has room for is for the module to say; what none has is refused here.
+fn address(text: &str) -> Result<u32, String> {
+    let largest = MODULES.iter().map(|module| module.program_memory).max().unwrap_or(0);
+    let fits = text.parse().ok().filter(|address| *address <= u32::from(u16::MAX));
+    fits.ok_or_else(|| {
+        format!(
+            "an address in the program memory is expected, a number from 0 to {}",
+            largest.saturating_sub(1)
+        )
+    })
 }
 
 /// Starts it.
 pub(crate) fn start(options: &Start) -> Outcome {
-    command(&options.options, |client| client.run(options.address.map(u32::from)))
+    command(&options.options, |client| client.run(options.address))
 }
 
 /// Stops it.
@@ -72,7 +81,7 @@ fn command(options: &Options, send: impl Fn(&mut AnyClient) -> Result<(), Client
     let symbols = options.symbols.as_deref().map(SymbolFile::read).transpose()?;
     let (mut client, module) = options.connection.connect()?;
     needs_program_memory(module)?;
-    send(&mut client).map_err(|error| told(&client, &error))?;
+    send(&mut client).map_err(|error| told_with(&client, &error, &advice(&error, module)))?;
     let status = client.program_status().map_err(|error| told(&client, &error))?;
     let state = State::of(status, symbols.as_ref());
     if options.json {
@@ -81,13 +90,20 @@ fn command(options: &Options, send: impl Fn(&mut AnyClient) -> Result<(), Client
     Ok(print::text(&format!("{}\n", state.text()))?)
 }
 
+/// The only value that these commands carry is an address.
+fn advice(error: &ClientError, module: &ModuleSpec) -> String {
+    match error {
+        ClientError::Status { status: Status::InvalidValue, .. } => format!("; {}", addresses(module)),
+        _ => String::new(),
+    }
+}
+
 /// A module that executes what a host sends, and nothing else.
 pub(crate) fn needs_program_memory(module: &ModuleSpec) -> Result<(), Failure> {
     if module.program_memory > 0 {
         return Ok(());
     }
-    let with =
-        tmcl_tables::MODULES.iter().filter(|module| module.program_memory > 0).map(|module| module.name);
+    let with = MODULES.iter().filter(|module| module.program_memory > 0).map(|module| module.name);
     let message = format!(
         "the {} has no program memory: it executes what a host sends, and nothing else; stand-alone programs run on the {}",
         module.name,

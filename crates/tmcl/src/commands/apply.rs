@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tmcl_config::{Difference, Left, Wishes, plan};
+use serde::Serialize;
+use tmcl_config::{Difference, Item, Left, Plan, Wishes, plan};
 
 use crate::connection::ConnectionOptions;
-use crate::exit::{Code, Failures, Outcome};
-use crate::parameters::{self, Progress, spelled};
+use crate::exit::{Code, Failure, Failures, Outcome};
+use crate::parameters::{self, Progress, Which, spelled};
 use crate::print;
 
 /// `tmcl apply`.
@@ -29,6 +30,9 @@ pub(crate) struct Apply {
     /// Only say what would be written
     #[arg(long)]
     pub(crate) dry_run: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) connection: ConnectionOptions,
 }
@@ -48,16 +52,104 @@ pub(crate) fn run(options: &Apply) -> Outcome {
         ));
     }
     let wishes = Wishes { connection: options.connection_parameters };
-    if options.dry_run {
-        let plan = plan(&parameters::differences(&mut client, &loaded.config)?, wishes);
-        say_left(&plan.left);
-        return print_written(plan.writes.iter().map(|(_, difference)| difference));
+    let mut progress = Progress::default();
+    let outcome = if options.dry_run {
+        let Plan { writes, left } = plan(&parameters::differences(&mut client, &loaded.config)?, wishes);
+        progress.written = writes.into_iter().map(|(_, difference)| difference).collect();
+        progress.left = left;
+        Ok(())
+    } else {
+        parameters::apply(&mut client, &loaded.config, wishes, options.store, &mut progress)
+    };
+    if options.json {
+        print::json(&Report::of(&progress, options.dry_run))?;
+    } else {
+        print_written(&progress.written)?;
     }
-    report(parameters::apply(&mut client, &loaded.config, wishes, options.store)?)
+    say_left(&progress.left);
+    conclude(progress, outcome)
 }
 
-fn print_written<'d>(written: impl Iterator<Item = &'d Difference>) -> Outcome {
+/// What came of it, as JSON has it.
+#[derive(Serialize)]
+struct Report {
+    /// Whether nothing was written, and `written` is what would be.
+    dry_run: bool,
+    written: Vec<Change>,
+    left: Vec<LeftOut>,
+    refused: Vec<Refusal>,
+    mismatches: Vec<Mismatch>,
+    unheard: Vec<Which>,
+    /// How many parameters were stored.
+    stored: usize,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Change {
+    #[serde(flatten)]
+    which: Which,
+    before: i64,
+    after: i64,
+}
+
+/// What was not to be written.
+#[derive(Serialize)]
+struct LeftOut {
+    #[serde(flatten)]
+    mismatch: Mismatch,
+    why: &'static str,
+}
+
+/// What the module refused.
+#[derive(Serialize)]
+struct Refusal {
+    #[serde(flatten)]
+    which: Which,
+    error: String,
+}
+
+/// What the file says and what the module holds, as `tmcl diff` has it.
+#[derive(Serialize)]
+struct Mismatch {
+    #[serde(flatten)]
+    which: Which,
+    file: i64,
+    module: i64,
+}
+
+impl Report {
+    fn of(progress: &Progress, dry_run: bool) -> Self {
+        let change = |&Difference { item, file, module }: &Difference| Change {
+            which: Which::of(item),
+            before: module,
+            after: file,
+        };
+        let left = |(left, Difference { item, file, module }): &(Left, Difference)| LeftOut {
+            mismatch: Mismatch { which: Which::of(*item), file: *file, module: *module },
+            why: why(*left),
+        };
+        let refusal = |(item, failure): &(Item, Failure)| Refusal {
+            which: Which::of(*item),
+            error: failure.message().to_owned(),
+        };
+        let mismatch =
+            |&(item, file, module): &(Item, i64, i64)| Mismatch { which: Which::of(item), file, module };
+        Self {
+            dry_run,
+            written: progress.written.iter().map(change).collect(),
+            left: progress.left.iter().map(left).collect(),
+            refused: progress.refused.iter().map(refusal).collect(),
+            mismatches: progress.mismatches.iter().map(mismatch).collect(),
+            unheard: progress.unheard.iter().copied().map(Which::of).collect(),
+            stored: progress.stored,
+        }
+    }
+}
+
+fn print_written(written: &[Difference]) -> Outcome {
     let rows: Vec<_> = written
+        .iter()
         .map(|&Difference { item, file, module }| [item.name(), spelled(item, module), spelled(item, file)])
         .collect();
     if rows.is_empty() {
@@ -69,17 +161,20 @@ fn print_written<'d>(written: impl Iterator<Item = &'d Difference>) -> Outcome {
 fn say_left(left: &[(Left, Difference)]) {
     for (left, Difference { item, file, module }) in left {
         let (name, file, module) = (item.name(), spelled(*item, *file), spelled(*item, *module));
-        let why = match left {
-            Left::Connection => "the module is reached by it; --connection writes it too",
-            Left::Lock => "a file takes no lock away",
-        };
+        let why = why(*left);
         print::note(&format!("`{name}` stays {module} and does not become {file}: {why}"));
     }
 }
 
-fn report(progress: Progress) -> Outcome {
-    print_written(progress.written.iter())?;
-    say_left(&progress.left);
+fn why(left: Left) -> &'static str {
+    match left {
+        Left::Connection => "the module is reached by it; --connection writes it too",
+        Left::Lock => "a file takes no lock away",
+    }
+}
+
+/// Says what there is to say, and how the command ends.
+fn conclude(progress: Progress, outcome: Result<(), Failure>) -> Outcome {
     if progress.stored > 0 {
         let s = if progress.stored == 1 { "" } else { "s" };
         print::note(&format!("stored {} parameter{s}", progress.stored));
@@ -92,9 +187,10 @@ fn report(progress: Progress) -> Outcome {
         print::error(&format!("`{}` holds {found} and not {wanted}", item.name()));
     }
     let mut failures = Failures::default();
-    for refusal in progress.refused {
+    for (_, refusal) in progress.refused {
         failures.note::<()>(Err(refusal));
     }
+    outcome?;
     match (failures.finish(), progress.mismatches.is_empty()) {
         (Ok(()), true) => Ok(()),
         _ => Err(Code::Findings.into()),

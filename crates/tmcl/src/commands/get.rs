@@ -1,12 +1,12 @@
 //! `tmcl get`: what parameters hold.
 
 use clap::Args;
-use serde::Serialize;
-use tmcl_config::{Item, Name, described};
+use tmcl_config::described;
 
 use crate::connection::{ConnectionOptions, failure};
 use crate::exit::Outcome;
-use crate::{parameters, print};
+use crate::parameters::{self, Row, unit};
+use crate::print;
 
 /// `tmcl get`.
 #[derive(Args)]
@@ -29,19 +29,6 @@ pub(crate) struct Get {
     pub(crate) connection: ConnectionOptions,
 }
 
-/// A parameter, as JSON has it.
-#[derive(Serialize)]
-struct Row {
-    name: String,
-    number: String,
-    value: i64,
-    unit: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    named: Option<&'static str>,
-    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
-    fields: serde_json::Map<String, serde_json::Value>,
-}
-
 /// Reads and prints them.
 pub(crate) fn run(options: &Get) -> Outcome {
     let (mut client, module) = options.connection.connect()?;
@@ -54,7 +41,7 @@ pub(crate) fn run(options: &Get) -> Outcome {
         values.push((name, name.extract(value)));
     }
     if options.json {
-        let rows: Vec<_> = values.iter().map(|(name, value)| row(name, *value, closed_loop)).collect();
+        let rows: Vec<_> = values.iter().map(|(name, value)| Row::new(name, *value, closed_loop)).collect();
         return Ok(print::json(&rows)?);
     }
     if options.raw {
@@ -65,23 +52,4 @@ pub(crate) fn run(options: &Get) -> Outcome {
         [name.to_string(), value.to_string(), unit, described(name, *value)]
     });
     Ok(print::text(&print::columns(["name", "value", "unit", "meaning"], Some(1), rows))?)
-}
-
-/// The unit of a whole parameter; some bits have none.
-pub(crate) fn unit(name: &Name, closed_loop: bool) -> &'static str {
-    if name.field.is_some() { "" } else { name.item.unit(closed_loop) }
-}
-
-fn row(name: &Name, value: i64, closed_loop: bool) -> Row {
-    let whole = name.field.is_none();
-    let named = |item: Item| item.values().iter().find(|named| named.value == value).map(|named| named.id);
-    let fields = if whole { name.item.fields() } else { &[] };
-    Row {
-        name: name.to_string(),
-        number: name.item.number(),
-        value,
-        unit: unit(name, closed_loop),
-        named: named(name.item).filter(|_| whole),
-        fields: fields.iter().map(|field| (field.id.to_owned(), field.extract(value).into())).collect(),
-    }
 }

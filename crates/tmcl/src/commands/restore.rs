@@ -1,11 +1,12 @@
 //! `tmcl restore`: what the EEPROM holds.
 
 use clap::Args;
+use serde::Serialize;
 use tmcl_config::{Item, items};
 
 use crate::connection::ConnectionOptions;
 use crate::exit::{Failures, Outcome};
-use crate::parameters::{self, Storage};
+use crate::parameters::{self, Storage, Which};
 use crate::print;
 
 /// `tmcl restore`.
@@ -21,8 +22,20 @@ pub(crate) struct Restore {
     /// Bring back everything but what could set the motor moving
     #[arg(long)]
     pub(crate) all: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) connection: ConnectionOptions,
+}
+
+/// What came of a parameter, as JSON has it.
+#[derive(Serialize)]
+struct Restored {
+    #[serde(flatten)]
+    which: Which,
+    /// Whether it holds what is stored.
+    restored: bool,
 }
 
 /// Brings them back.
@@ -42,16 +55,22 @@ pub(crate) fn run(options: &Restore) -> Outcome {
         names.iter().map(|name| name.item).collect()
     };
     let mut failures = Failures::default();
+    let mut rows = Vec::new();
     for item in chosen {
         if parameters::storage(item) == Storage::Itself {
             print::note(&format!(
                 "`{}` is stored whenever it is written, and holds what is stored",
                 item.name()
             ));
+            rows.push(Restored { which: Which::of(item), restored: true });
             continue;
         }
-        let restored = parameters::restore(&mut client, item);
-        failures.note(restored.map_err(|error| parameters::refused(&item.name(), &error)));
+        let result = parameters::restore(&mut client, item);
+        let result = result.map_err(|error| parameters::refused(&item.name(), &error));
+        rows.push(Restored { which: Which::of(item), restored: failures.note(result).is_some() });
+    }
+    if options.json {
+        print::json(&rows)?;
     }
     failures.finish()
 }

@@ -138,6 +138,9 @@ fn say(notice: Notice) {
         Notice::NotKept(error) => {
             format!("what is stored is not kept for now, and lost if this goes on to the end: {error}")
         }
+        Notice::NotSent(error) => {
+            format!("what the modules say does not get out, and is lost until it does: {error}")
+        }
         Notice::ClientFailed(error) => format!("a client could not be served: {error}"),
     });
 }

@@ -1,12 +1,14 @@
 //! `tmcl set`: giving parameters other values.
 
 use clap::Args;
+use serde::Serialize;
 use tmcl_config::{Item, Name, parse_value};
 use tmcl_tables::ModuleSpec;
 
 use crate::connection::{AnyClient, ConnectionOptions, failure};
 use crate::exit::{Code, Failure, Failures, Outcome};
-use crate::parameters::{self, Storage};
+use crate::parameters::{self, Row, Storage};
+use crate::print;
 
 /// `tmcl set`.
 #[derive(Args)]
@@ -22,8 +24,19 @@ pub(crate) struct Set {
     /// Store it in the EEPROM too
     #[arg(long)]
     pub(crate) store: bool,
+    /// Print what was written as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) connection: ConnectionOptions,
+}
+
+/// What was written, as JSON has it.
+#[derive(Serialize)]
+struct Written {
+    #[serde(flatten)]
+    row: Row,
+    stored: bool,
 }
 
 /// Checks all, then writes all.
@@ -42,13 +55,40 @@ pub(crate) fn run(options: &Set) -> Outcome {
     }
     let whole = failures.note(whole_values(&mut client, &wanted));
     failures.finish()?;
-    for (item, value) in whole.unwrap_or_default() {
-        parameters::write(&mut client, item, value)
-            .map_err(|error| parameters::refused(&item.name(), &error))?;
-        if options.store && parameters::storage(item) == Storage::Command {
-            parameters::store(&mut client, item)
-                .map_err(|error| parameters::refused(&item.name(), &error))?;
-        }
+    let mut written = Vec::new();
+    let outcome = write_all(&mut client, &whole.unwrap_or_default(), options.store, &mut written);
+    if options.json {
+        let rows = written.into_iter().map(|(item, value, stored)| Written {
+            row: Row::new(&Name::of(item), value, closed_loop),
+            stored,
+        });
+        print::json(&rows.collect::<Vec<_>>())?;
+    }
+    Ok(outcome?)
+}
+
+/// Writes until the module refuses one. Says what was written, and whether it is stored.
+fn write_all(
+    client: &mut AnyClient,
+    writes: &[(Item, i64)],
+    to_store: bool,
+    written: &mut Vec<(Item, i64, bool)>,
+) -> Result<(), Failure> {
+    for &(item, value) in writes {
+        let refused = |error| parameters::refused(&item.name(), &error);
+        parameters::write(client, item, value).map_err(refused)?;
+        let storage = parameters::storage(item);
+        let stored = match storage {
+            Storage::Command if to_store => parameters::store(client, item).map_err(refused),
+            Storage::Command | Storage::Itself | Storage::None => Ok(()),
+        };
+        let is_stored = match storage {
+            Storage::Itself => true,
+            Storage::Command => to_store && stored.is_ok(),
+            Storage::None => false,
+        };
+        written.push((item, value, is_stored));
+        stored?;
     }
     Ok(())
 }

@@ -1,11 +1,12 @@
 //! `tmcl store`: keeping parameters in the EEPROM.
 
 use clap::Args;
+use serde::Serialize;
 use tmcl_config::{Item, items};
 
 use crate::connection::ConnectionOptions;
 use crate::exit::{Failures, Outcome};
-use crate::parameters::{self, Storage};
+use crate::parameters::{self, Storage, Which};
 use crate::print;
 
 /// `tmcl store`.
@@ -21,8 +22,19 @@ pub(crate) struct Store {
     /// Store everything that can be stored
     #[arg(long)]
     pub(crate) all: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) connection: ConnectionOptions,
+}
+
+/// What came of a parameter, as JSON has it.
+#[derive(Serialize)]
+struct Stored {
+    #[serde(flatten)]
+    which: Which,
+    stored: bool,
 }
 
 /// Stores them. What is refused does not keep the others from being stored.
@@ -36,17 +48,24 @@ pub(crate) fn run(options: &Store) -> Outcome {
         names.iter().map(|name| name.item).collect()
     };
     let mut failures = Failures::default();
+    let mut rows = Vec::new();
     for item in chosen {
+        let which = Which::of(item);
         if parameters::storage(item) == Storage::Itself {
             print::note(&format!("`{}` is stored whenever it is written", item.name()));
+            rows.push(Stored { which, stored: true });
             continue;
         }
-        let stored = parameters::store(&mut client, item);
-        if failures.note(stored.map_err(|error| parameters::refused(&item.name(), &error))).is_none()
-            && options.all
-        {
+        let result = parameters::store(&mut client, item);
+        let result = result.map_err(|error| parameters::refused(&item.name(), &error));
+        let stored = failures.note(result).is_some();
+        rows.push(Stored { which, stored });
+        if !stored && options.all {
             break;
         }
+    }
+    if options.json {
+        print::json(&rows)?;
     }
     failures.finish()
 }

@@ -7,14 +7,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use serde::Serialize;
 use tmcl_config::{Name, described};
 use tmcl_link::Link as _;
 
-use super::get::unit;
 use crate::arguments::{duration, interval};
 use crate::connection::{AnyClient, ConnectionOptions, failure};
 use crate::exit::{Code, Failure, Outcome};
-use crate::{parameters, print};
+use crate::parameters::{self, unit};
+use crate::print;
 
 /// How many values the curve in the last column shows.
 const HISTORY: usize = 40;
@@ -25,7 +26,7 @@ const SLICE: Duration = Duration::from_millis(100);
 /// `tmcl watch`.
 #[derive(Args)]
 #[command(
-    after_help = "A table that is drawn anew on a terminal, CSV with a line a sample everywhere else. Ctrl-C ends it. A module \
+    after_help = "A table that is drawn anew on a terminal, CSV with a line a sample everywhere else, with --json an object a line. Ctrl-C ends it. A module \
     in this process (virtual:…) lives only while it is watched: its time runs with the samples."
 )]
 pub(crate) struct Watch {
@@ -36,8 +37,11 @@ pub(crate) struct Watch {
     #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = interval)]
     pub(crate) every: u64,
     /// Print CSV on a terminal too
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     pub(crate) csv: bool,
+    /// Print JSON, an object a line
+    #[arg(long)]
+    pub(crate) json: bool,
     /// End after this time: 500ms, 10s, 1h
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub(crate) duration: Option<u64>,
@@ -61,7 +65,7 @@ pub(crate) fn run(options: &Watch) -> Outcome {
     let names = parameters::named(&options.names, module, |item| item.access().read, "can only be written")?;
     let closed_loop = parameters::closed_loop(&mut client, module, names.iter().map(|name| name.item))?;
     let enough = interruption()?;
-    let mut view = View::new(&names, closed_loop, options.csv);
+    let mut view = View::new(&names, closed_loop, options);
     let mut grid = Grid::new(Duration::from_nanos(options.every), client.link_mut().has_own_time());
     let end = options.duration.map(Duration::from_nanos);
     view.begin()?;
@@ -154,15 +158,25 @@ impl Grid {
     }
 }
 
+/// A sample, as JSON has it.
+#[derive(Serialize)]
+struct Sample {
+    time_s: f64,
+    values: serde_json::Map<String, serde_json::Value>,
+}
+
 /// What is made of the samples.
 enum View<'n> {
     Csv(&'n [Name]),
+    Json(&'n [Name]),
     Live { names: &'n [Name], closed_loop: bool, history: Vec<VecDeque<i64>>, lines: usize },
 }
 
 impl<'n> View<'n> {
-    fn new(names: &'n [Name], closed_loop: bool, csv: bool) -> Self {
-        if csv || !io::stdout().is_terminal() {
+    fn new(names: &'n [Name], closed_loop: bool, options: &Watch) -> Self {
+        if options.json {
+            Self::Json(names)
+        } else if options.csv || !io::stdout().is_terminal() {
             Self::Csv(names)
         } else {
             Self::Live { names, closed_loop, history: vec![VecDeque::new(); names.len()], lines: 0 }
@@ -179,7 +193,7 @@ impl<'n> View<'n> {
                 let names: String = names.iter().map(|name| format!(",{name}")).collect();
                 print::text(&format!("time_s{names}\n"))
             }
-            Self::Live { .. } => Ok(()),
+            Self::Json(_) | Self::Live { .. } => Ok(()),
         }
     }
 
@@ -189,6 +203,11 @@ impl<'n> View<'n> {
             Self::Csv(_) => {
                 let values: String = values.iter().map(|value| format!(",{value}")).collect();
                 print::text(&format!("{seconds}{values}\n"))
+            }
+            Self::Json(names) => {
+                let values =
+                    names.iter().zip(values).map(|(name, value)| (name.to_string(), (*value).into()));
+                print::json_line(&Sample { time_s: time.as_micros() as f64 / 1e6, values: values.collect() })
             }
             Self::Live { names, closed_loop, history, lines } => {
                 for (past, value) in history.iter_mut().zip(values) {

@@ -2,7 +2,9 @@
 
 use std::ffi::OsString;
 
-use super::{ConnectionOptions, values};
+use tmcl_config::connection;
+
+use super::ConnectionOptions;
 use crate::exit::{Code, Failure};
 
 /// What the environment says; `variable` looks up one. A variable that is empty says nothing.
@@ -14,11 +16,11 @@ pub(super) fn read(variable: impl Fn(&str) -> Option<OsString>) -> Result<Connec
     };
     Ok(ConnectionOptions {
         port: text("TMCL_PORT")?,
-        baud: parsed("TMCL_BAUD", text("TMCL_BAUD")?, values::baud_rates)?,
-        address: parsed("TMCL_ADDRESS", text("TMCL_ADDRESS")?, values::address)?,
-        host_address: parsed("TMCL_HOST_ADDRESS", text("TMCL_HOST_ADDRESS")?, values::address)?,
-        timeout: parsed("TMCL_TIMEOUT", text("TMCL_TIMEOUT")?, values::timeout)?,
-        retries: parsed("TMCL_RETRIES", text("TMCL_RETRIES")?, values::retries)?,
+        baud: parsed("TMCL_BAUD", text("TMCL_BAUD")?, connection::baud_rates)?,
+        address: parsed("TMCL_ADDRESS", text("TMCL_ADDRESS")?, connection::address)?,
+        host_address: parsed("TMCL_HOST_ADDRESS", text("TMCL_HOST_ADDRESS")?, connection::address)?,
+        timeout: parsed("TMCL_TIMEOUT", text("TMCL_TIMEOUT")?, connection::timeout)?,
+        retries: parsed("TMCL_RETRIES", text("TMCL_RETRIES")?, connection::retries)?,
     })
 }
 
@@ -58,7 +60,7 @@ mod tests {
         ];
         let expected = ConnectionOptions {
             port: Some("/dev/ttyACM0".to_owned()),
-            baud: values::baud_rates("115200").ok(),
+            baud: connection::baud_rates("115200").ok(),
             address: Some(3),
             host_address: Some(4),
             timeout: Some(Duration::from_millis(250)),

@@ -50,6 +50,9 @@ fn operand(
             "the motor is in question: {}, and the {} has motor 0 only",
             request.motor, module.name
         )),
+        Status::InvalidValue if names_other_coordinate(request, spec, module) => {
+            Some(format!("the coordinate is in question: {}, and {}", request.kind, coordinates(module)))
+        }
         Status::InvalidValue => {
             Some(format!("the value is in question: {}", value_text(request, spec, module)))
         }
@@ -60,6 +63,26 @@ fn operand(
 
 fn names_other_motor(request: Request, spec: &CommandSpec) -> bool {
     spec.motor_field == MotorField::Motor && request.motor != 0
+}
+
+fn names_other_coordinate(request: Request, spec: &CommandSpec, module: &ModuleSpec) -> bool {
+    spec.type_field == TypeField::Coordinate && request.kind >= module.coordinates
+}
+
+/// Which coordinates there are.
+fn coordinates(module: &ModuleSpec) -> String {
+    match module.coordinates.checked_sub(1) {
+        Some(last) => format!("the {} has the coordinates 0 to {last}", module.name),
+        None => format!("the {} has no coordinates", module.name),
+    }
+}
+
+/// Which addresses a program can have.
+pub(crate) fn addresses(module: &ModuleSpec) -> String {
+    match module.program_memory.checked_sub(1) {
+        Some(last) => format!("the program memory of the {} has the addresses 0 to {last}", module.name),
+        None => format!("the {} has no program memory", module.name),
+    }
 }
 
 fn type_text(request: Request, spec: &CommandSpec, module: &'static ModuleSpec) -> String {
@@ -91,7 +114,24 @@ fn value_text(request: Request, spec: &CommandSpec, module: &'static ModuleSpec)
         )
         .trim_end()
         .to_owned(),
-        None => request.value.to_string(),
+        None => {
+            let allowed = allowed(request, spec, module);
+            allowed.map_or_else(|| request.value.to_string(), |text| format!("{}, and {text}", request.value))
+        }
+    }
+}
+
+/// What a value that is no parameter's may be, where the tables of the module bound it.
+fn allowed(request: Request, spec: &CommandSpec, module: &ModuleSpec) -> Option<String> {
+    let is_coordinate = || {
+        let named = spec.types.iter().find(|named| named.value == request.kind);
+        named.is_some_and(|named| named.keyword == "COORD")
+    };
+    match spec.value_field {
+        ValueField::Address => Some(addresses(module)),
+        ValueField::Position if is_coordinate() => Some(coordinates(module)),
+        ValueField::Magic => Some("only 1234 confirms it".to_owned()),
+        _ => None,
     }
 }
 
@@ -104,7 +144,8 @@ mod tests {
     #[test]
     fn the_operand_is_named() {
         use Command::{
-            FactoryReset, GetAxisParameter, MoveToPosition, SetAxisParameter, SetOutput, StoreAxisParameter,
+            ApplicationRun, FactoryReset, GetAxisParameter, MoveToPosition, ReadProgramMemory,
+            SetAxisParameter, SetCoordinate, SetOutput, StoreAxisParameter,
         };
         let refused = [
             (Request::new(GetAxisParameter, 29, 0, 0), Status::WrongType),
@@ -114,6 +155,10 @@ mod tests {
             (Request::new(SetOutput, 9, 2, 1), Status::WrongType),
             (Request::new(StoreAxisParameter, 4, 0, 0), Status::EepromLocked),
             (Request::new(FactoryReset, 0, 0, 1), Status::InvalidValue),
+            (Request::new(ApplicationRun, 1, 0, 5000), Status::InvalidValue),
+            (Request::new(ReadProgramMemory, 0, 0, 2048), Status::InvalidValue),
+            (Request::new(SetCoordinate, 21, 0, 7), Status::InvalidValue),
+            (Request::new(MoveToPosition, 2, 0, 99), Status::InvalidValue),
             (Request { command: 200, ..Request::default() }, Status::InvalidCommand),
         ];
         let messages = refused.map(|(request, status)| explanation(request, status, &tmcm_1311::SPEC));

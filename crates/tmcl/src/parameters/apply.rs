@@ -16,7 +16,7 @@ pub(crate) struct Progress {
     /// What was not to be written.
     pub(crate) left: Vec<(Left, Difference)>,
     /// What the module refused to take or to store, and why.
-    pub(crate) refused: Vec<Failure>,
+    pub(crate) refused: Vec<(Item, Failure)>,
     /// What holds something else than was written: the parameter, what it should hold, and what it holds.
     pub(crate) mismatches: Vec<(Item, i64, i64)>,
     /// How many parameters were stored.
@@ -38,25 +38,25 @@ pub(crate) fn differences(client: &mut AnyClient, config: &Config) -> Result<Vec
 }
 
 /// Writes what differs, reads back, and stores where that is wanted. What may cut the connection comes last, and what the
-/// module refuses does not keep the rest from being written.
+/// module refuses does not keep the rest from being written. What was done stands in `progress`, also when the connection fails.
 pub(crate) fn apply(
     client: &mut AnyClient,
     config: &Config,
     wishes: Wishes,
     to_store: bool,
-) -> Result<Progress, Failure> {
+    progress: &mut Progress,
+) -> Result<(), Failure> {
     let Plan { writes, left } = plan(&differences(client, config)?, wishes);
-    let mut progress = Progress { left, ..Progress::default() };
+    progress.left = left;
     let (settings, others): (Vec<_>, Vec<_>) =
         writes.into_iter().partition(|(phase, _)| *phase == Phase::Setting);
     let unwritten =
-        write_settings(client, settings.into_iter().map(|(_, setting)| setting).collect(), &mut progress)?;
-    read_back(client, config, &unwritten, &mut progress)?;
+        write_settings(client, settings.into_iter().map(|(_, setting)| setting).collect(), progress)?;
+    read_back(client, config, &unwritten, progress)?;
     if to_store {
-        store_all(client, config, &mut progress)?;
+        store_all(client, config, progress)?;
     }
-    write_others(client, &others, &mut progress)?;
-    Ok(progress)
+    write_others(client, &others, progress)
 }
 
 /// Writes settings; those that are refused once more after the others, since one may depend on another. Returns the items
@@ -74,7 +74,7 @@ fn write_settings(
             match write(client, difference.item, difference.file) {
                 Ok(()) => progress.written.push(difference),
                 Err(error @ ClientError::Status { .. }) => {
-                    refusals.push(refused(&difference.item.name(), &error));
+                    refusals.push((difference.item, refused(&difference.item.name(), &error)));
                     again.push(difference);
                 }
                 Err(error) => return Err(failure(&error)),
@@ -112,7 +112,9 @@ fn store_all(client: &mut AnyClient, config: &Config, progress: &mut Progress) -
     {
         match store(client, item) {
             Ok(()) => progress.stored += 1,
-            Err(error @ ClientError::Status { .. }) => progress.refused.push(refused(&item.name(), &error)),
+            Err(error @ ClientError::Status { .. }) => {
+                progress.refused.push((item, refused(&item.name(), &error)));
+            }
             Err(error) => return Err(failure(&error)),
         }
     }
@@ -134,7 +136,9 @@ fn write_others(
                 written.push((phase, difference));
             }
             // It may have been cut by what was written before.
-            Err(error) => progress.refused.push(refused(&difference.item.name(), &error)),
+            Err(error) => {
+                progress.refused.push((difference.item, refused(&difference.item.name(), &error)));
+            }
         }
     }
     let silent = written.iter().any(|(phase, _)| *phase == Phase::Silence);

@@ -5,6 +5,7 @@
 mod access;
 mod apply;
 mod files;
+mod row;
 mod spark;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ pub(crate) use access::{
 };
 pub(crate) use apply::{Progress, apply, differences};
 pub(crate) use files::{belongs_to, load};
+pub(crate) use row::{Row, Which, unit};
 pub(crate) use spark::spark;
 
 use tmcl_config::{Item, Name, NameError, select};

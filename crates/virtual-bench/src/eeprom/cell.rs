@@ -39,7 +39,7 @@ pub(super) fn slot<const N: usize>(bytes: &[u8], address: usize) -> Slot<N> {
         Some(_) => Slot::Damaged(Fault::Checksum),
         None if mark == WRITING => Slot::Writing,
         None if mark != ERASED => Slot::Damaged(Fault::Mark(mark)),
-        None if data.iter().chain(checksum).all(|byte| *byte == ERASED) => Slot::Erased,
+        None if *data == [ERASED; N] && *checksum == [ERASED; 2] => Slot::Erased,
         None => Slot::Damaged(Fault::NotErased),
     }
 }

@@ -46,7 +46,10 @@ impl Medium {
     }
 
     pub(super) fn to_image(&self) -> Vec<u8> {
-        self.bytes.iter().copied().chain(self.wear.iter().flat_map(|writes| writes.to_le_bytes())).collect()
+        let mut image = Vec::with_capacity(IMAGE_LENGTH);
+        image.extend_from_slice(&self.bytes);
+        image.extend(self.wear.iter().flat_map(|writes| writes.to_le_bytes()));
+        image
     }
 
     pub(super) fn bytes(&self) -> &[u8] {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use crate::arguments::nanoseconds;
+use tmcl_config::nanoseconds;
 
 /// A line.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
-//! What is wrong with a configuration file, and where.
+//! What is wrong with a file, and where.
 
 use core::ops::Range;
 
-/// One thing that is wrong with a configuration file.
+/// One thing that is wrong with a configuration file, or with `tmcl.toml`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Finding {
@@ -16,12 +16,12 @@ pub struct Finding {
 
 impl Finding {
     /// A finding about `span`.
-    pub(super) fn new(span: Range<usize>, message: impl Into<String>) -> Self {
+    pub(crate) fn new(span: Range<usize>, message: impl Into<String>) -> Self {
         Self { message: message.into(), span, help: None }
     }
 
     /// The same with a hint.
-    pub(super) fn with_help(self, help: impl Into<String>) -> Self {
+    pub(crate) fn with_help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }
     }
 }

@@ -3,14 +3,16 @@
 use std::fmt;
 use std::time::Duration;
 
-use tmcl_link::can::MAX_ID;
 use tmcl_tables::tmcm_1311;
 
-use crate::arguments;
+use crate::time::nanoseconds;
+
+/// The largest identifier of a CAN bus with 11 bits.
+const MAX_ID: u16 = 0x7FF;
 
 /// The rates to talk at: one, or several to look for a module at.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct BaudRates(Vec<u32>);
+pub struct BaudRates(Vec<u32>);
 
 impl fmt::Display for BaudRates {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -21,13 +23,17 @@ impl fmt::Display for BaudRates {
 
 impl BaudRates {
     /// Each of them.
-    pub(crate) fn rates(&self) -> Vec<u32> {
+    #[must_use]
+    pub fn rates(&self) -> Vec<u32> {
         self.0.clone()
     }
 }
 
-/// `9600`; several as in `9600,115200`, or `all` that modules can be set to.
-pub(super) fn baud_rates(text: &str) -> Result<BaudRates, String> {
+/// Rates of a serial port: `9600`; several as in `9600,115200`, or `all` that modules can be set to.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn baud_rates(text: &str) -> Result<BaudRates, String> {
     const EXPECTED: &str = "a number of bits per second is expected, such as 9600 or 115200; \
                             `tmcl scan` also takes several, and `all`";
     if text.eq_ignore_ascii_case("all") {
@@ -47,7 +53,10 @@ fn known_rates() -> Vec<u32> {
 }
 
 /// An address, which is an identifier on a CAN bus; whether it is too large for the port, that is seen later.
-pub(crate) fn address(text: &str) -> Result<u16, String> {
+///
+/// # Errors
+/// What is expected, in words.
+pub fn address(text: &str) -> Result<u16, String> {
     const EXPECTED: &str =
         "an address from 0 to 255 is expected, or an identifier on a CAN bus, from 0 to 0x7FF (2047)";
     let hexadecimal = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
@@ -59,14 +68,22 @@ pub(crate) fn address(text: &str) -> Result<u16, String> {
     number.ok().filter(|id| *id <= MAX_ID).ok_or_else(|| EXPECTED.to_owned())
 }
 
-pub(super) fn timeout(text: &str) -> Result<Duration, String> {
+/// How long to wait for a reply: 1 ms to 1 h.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn timeout(text: &str) -> Result<Duration, String> {
     const EXPECTED: &str = "a time from 1ms to 1h is expected, such as 500ms or 1s";
-    arguments::nanoseconds(text)
+    nanoseconds(text)
         .filter(|time_ns| (1e6..=3.6e12).contains(time_ns))
         .map_or_else(|| Err(EXPECTED.to_owned()), |time_ns| Ok(Duration::from_nanos(time_ns as u64)))
 }
 
-pub(super) fn retries(text: &str) -> Result<u32, String> {
+/// How often to ask again: 0 to 100.
+///
+/// # Errors
+/// What is expected, in words.
+pub fn retries(text: &str) -> Result<u32, String> {
     text.parse()
         .ok()
         .filter(|retries| *retries <= 100)
