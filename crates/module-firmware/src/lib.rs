@@ -1,9 +1,10 @@
-//! The firmware of TMCL modules, as it would run on their Cortex-M3.
+//! The firmware of TMCL modules, as it runs on a Cortex-M3 (`firmware/mps2-an385`, docs/porting.md).
 //!
 //! A module is a pure state machine, [`Firmware`]: bytes go in with [`Firmware::receive`] and come out with
 //! [`Firmware::transmit`]; every 50 µs [`Firmware::tick`] takes what the sensors say and returns what the power stage
-//! shall do, and lets a stand-alone program execute an instruction; [`Firmware::background`] does what takes long, one EEPROM record at a time. What differs between modules is
-//! an [`Axis`]; there is one dispatcher for all of them, and one way in for every request.
+//! shall do, and lets a stand-alone program execute an instruction; [`Firmware::background`] does what takes long, one EEPROM
+//! record at a time. What differs between modules is an [`Axis`]; there is one dispatcher for all of them, and one way in for
+//! every request.
 //!
 //! This crate must never know of simulation, files or wall-clock time. It allocates nothing and never panics. All state
 //! is plain `Clone` data: a snapshot is a clone.

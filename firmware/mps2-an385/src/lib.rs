@@ -26,8 +26,8 @@ pub fn without_parts() -> ! {
     module::unusable()
 }
 
-/// What cannot happen: nothing here or in the crates below panics, and `cargo xtask firmware` looks for it in the image. The
-/// power stage of a real board goes off here.
+/// What cannot happen: nothing here or in the crates below panics, and `cargo xtask firmware` looks for it in the image. A real
+/// board has to switch its power stage off here; there is none to switch.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     loop {

@@ -67,7 +67,14 @@ fn callees(code: &Code, function: &Function) -> Result<Vec<u32>> {
         let named = code
             .functions()
             .filter(|(_, function)| looked_up.iter().any(|part| function.name.contains(part)));
+        let before = callees.len();
         callees.extend(named.map(|(address, _)| address));
+        if callees.len() == before {
+            bail!(
+                "{} calls an address that it has looked up, and nothing it could be is in the image",
+                function.name
+            )
+        }
     }
     Ok(callees)
 }
