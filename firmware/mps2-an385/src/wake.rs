@@ -46,10 +46,11 @@ impl Alarm {
 
     /// Forgets what would have ended a sleep. What comes after this ends the next.
     pub fn clear(&mut self, uarts: [&mut Uart; 2]) {
-        timer(TIMER_INTERRUPT_CLEAR, 1);
-        uarts.into_iter().for_each(Uart::clear_interrupts);
         // SAFETY: as above.
         unsafe { self.0.icpr[0].write(INTERRUPTS) };
+        // Only now: what asks in between is still heard, since a line that stays up is not pending a second time.
+        timer(TIMER_INTERRUPT_CLEAR, 1);
+        uarts.into_iter().for_each(Uart::clear_interrupts);
     }
 
     /// Sleeps until the next millisecond, or a byte.
