@@ -1,7 +1,9 @@
 //! QEMU with an image of the firmware, and its harness.
 
+use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Read, Write};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -101,7 +103,7 @@ impl EmulatedChip {
         listener.set_nonblocking(true).map_err(failure)?;
         let mut qemu = command(image, memory, counting)
             .args(["-serial", "null", "-serial"])
-            .arg(format!("unix:{}", socket.display()))
+            .arg(option("unix:", &socket))
             .stdin(Stdio::null())
             .spawn()
             .map_err(EmulatorError::Missing)?;
@@ -217,13 +219,22 @@ pub(crate) fn command(image: &Path, memory: &Path, counting: Counting) -> Comman
     let mut command = emulator();
     command
         .args(["-machine", "mps2-an385,memory-backend=psram", "-object"])
-        .arg(format!("memory-backend-file,id=psram,size=16M,share=on,mem-path={}", memory.display()))
+        .arg(option("memory-backend-file,id=psram,size=16M,share=on,mem-path=", memory))
         .args(["-display", "none", "-monitor", "none", "-kernel"])
         .arg(image);
     if counting == Counting::Instructions {
         command.args(["-icount", &format!("shift={},sleep=off", Counting::SHIFT)]);
     }
     command
+}
+
+/// An option whose last value is a path. A comma ends a value, and two are one that belongs to it.
+fn option(text: &str, path: &Path) -> OsString {
+    let mut option = text.as_bytes().to_vec();
+    for byte in path.as_os_str().as_bytes() {
+        option.extend(std::iter::repeat_n(*byte, if *byte == b',' { 2 } else { 1 }));
+    }
+    OsString::from_vec(option)
 }
 
 /// QEMU, which ends with the thread that starts it, however that ends, where the system can do so.
@@ -314,5 +325,18 @@ impl Target for EmulatedChip {
             Act::Input(number, high) => self.command(&[b'I', *number, u8::from(*high)], left),
             Act::Leave(..) | Act::End => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsStr;
+
+    use super::*;
+
+    #[test]
+    fn a_comma_of_a_path_ends_no_option() {
+        let path = Path::new(OsStr::from_bytes(b"/a,b,,\xff.psram"));
+        assert_eq!(option("mem-path=", path).as_bytes(), b"mem-path=/a,,b,,,,\xff.psram");
     }
 }
