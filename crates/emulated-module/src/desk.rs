@@ -34,16 +34,16 @@ pub struct DeskModule {
 }
 
 impl DeskModule {
-    /// Starts an image whose flash and EEPROM are kept in a file, which is made if there is none. The line of the module's port
-    /// comes along.
+    /// Starts an image whose flash and EEPROM are kept in a file, which is made if there is none and is refused if it is another
+    /// module's. The line of the module's port comes along.
     ///
     /// # Errors
     /// [`DeskError`] where the image, its memory or QEMU is not to be had.
-    pub fn start(image: &Path, memory: &Path) -> Result<(Self, UnixStream), DeskError> {
+    pub fn start(image: &Path, module: &str, memory: &Path) -> Result<(Self, UnixStream), DeskError> {
         if !image.exists() {
             return Err(DeskError::Image(image.to_owned()));
         }
-        let lock = memory::open(memory)?;
+        let lock = memory::open(memory, module)?;
         let failure = |error| EmulatorError::File(memory.to_owned(), error);
         let (ours, theirs) = UnixStream::pair().map_err(failure)?;
         // QEMU gets the line, and the lock, which so lasts as long as it uses the memory.

@@ -56,7 +56,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     })
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
     let memory = memory(arguments)?;
-    let (_module, line) = DeskModule::start(&image(&arguments.module), &memory).map_err(text)?;
+    let (_module, line) =
+        DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
     eprintln!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
         arguments.module,
