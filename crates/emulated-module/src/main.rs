@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(&format!("error: {error}"));
             ExitCode::from(CONNECTION)
         }
     }
@@ -58,11 +58,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let memory = memory(arguments)?;
     let (_module, line) =
         DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
-    eprintln!(
+    tell(&format!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
         arguments.module,
         memory.display()
-    );
+    ));
     let mut bridge = Bridge::start(line, move || {
         let _ = end.send(End::ChipGone);
     })
@@ -87,6 +87,11 @@ fn listen(bridge: &mut Bridge, arguments: &Arguments) -> Result<(), String> {
         say(&format!("listening pty {}", path.display()))?;
     }
     Ok(())
+}
+
+/// A message; that nobody hears it is no reason to end.
+fn tell(message: &str) {
+    let _ = writeln!(io::stderr().lock(), "{message}");
 }
 
 fn say(line: &str) -> Result<(), String> {
