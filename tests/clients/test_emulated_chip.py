@@ -231,6 +231,19 @@ def test_what_a_client_leaves_is_forgotten(start: Callable[[str, str], Server], 
             assert line.read(9)[:4] == bytes([2, 1, 100, TMCLCommand.GET_FIRMWARE_VERSION])
 
 
+def test_a_killed_one_leaves_nothing_behind(start: Callable[[str, str], Server], link: str) -> None:
+    """Killed without a chance to end QEMU, it lets go of the memory, where what was stored is."""
+    name = "tmcm-1311"
+    chip = start("chip", name)
+    with chip.port("tcp").connect() as connection:
+        connection.set_axis_parameter(4, 0, 1111)
+        connection.store_axis_parameter(4, 0)
+    chip.kill()
+    assert Path(link).is_symlink(), "what nobody could take away is replaced"
+    with start("chip", name).port("pty").connect() as connection:
+        assert connection.get_axis_parameter(4, 0) == 1111
+
+
 def test_the_host_tools(start: Callable[[str, str], Server], serve: Serve, name: str, tmp_path: Path) -> None:
     """`tmcl` finds on the chip what it finds at a virtual module."""
     server = start("chip", name)

@@ -1,10 +1,14 @@
 //! QEMU with an image of the firmware, and its harness.
 
+use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Read, Write};
+use std::os::unix::ffi::{OsStrExt, OsStringExt};
+use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use crate::play::Target;
@@ -78,7 +82,8 @@ pub struct Stack {
     pub size: u32,
 }
 
-/// A module on an emulated chip. Dropping it pulls the plug.
+/// A module on an emulated chip. Dropping it pulls the plug, and so does the end of the thread that started it, where
+/// `setpriv` is to be had.
 pub struct EmulatedChip {
     qemu: Child,
     harness: UnixStream,
@@ -100,7 +105,7 @@ impl EmulatedChip {
         listener.set_nonblocking(true).map_err(failure)?;
         let mut qemu = command(image, memory, counting)
             .args(["-serial", "null", "-serial"])
-            .arg(format!("unix:{}", socket.display()))
+            .arg(option("unix:", &socket))
             .stdin(Stdio::null())
             .spawn()
             .map_err(EmulatorError::Missing)?;
@@ -214,16 +219,63 @@ impl Drop for EmulatedChip {
 
 /// QEMU with an image and its memory; its serial lines are for the caller to say.
 pub(crate) fn command(image: &Path, memory: &Path, counting: Counting) -> Command {
-    let mut command = Command::new(QEMU);
+    let mut command = emulator();
     command
         .args(["-machine", "mps2-an385,memory-backend=psram", "-object"])
-        .arg(format!("memory-backend-file,id=psram,size=16M,share=on,mem-path={}", memory.display()))
+        .arg(option("memory-backend-file,id=psram,size=16M,share=on,mem-path=", memory))
         .args(["-display", "none", "-monitor", "none", "-kernel"])
         .arg(image);
     if counting == Counting::Instructions {
         command.args(["-icount", &format!("shift={},sleep=off", Counting::SHIFT)]);
     }
     command
+}
+
+/// An option whose last value is a path. A comma ends a value, and two are one that belongs to it.
+fn option(text: &str, path: &Path) -> OsString {
+    let mut option = text.as_bytes().to_vec();
+    for byte in path.as_os_str().as_bytes() {
+        option.extend(std::iter::repeat_n(*byte, if *byte == b',' { 2 } else { 1 }));
+    }
+    OsString::from_vec(option)
+}
+
+/// QEMU, which ends with the thread that starts it, however that ends, where the system can do so.
+///
+/// `setpriv` asks the kernel for that and becomes QEMU: same process, same handles. A QEMU that is not there is started all
+/// the same, so that it is the system which says that it is missing.
+fn emulator() -> Command {
+    static CAN_END_WITH_US: OnceLock<bool> = OnceLock::new();
+    let Some(qemu) = found(QEMU) else { return Command::new(QEMU) };
+    if !*CAN_END_WITH_US.get_or_init(can_end_with_us) {
+        return Command::new(qemu);
+    }
+    let mut command = Command::new(SETPRIV[0]);
+    command.args(&SETPRIV[1..]).arg(qemu);
+    command
+}
+
+/// Of util-linux; others have the name, but not the option.
+const SETPRIV: [&str; 3] = ["setpriv", "--pdeathsig", "KILL"];
+
+fn can_end_with_us() -> bool {
+    cfg!(target_os = "linux")
+        && Command::new(SETPRIV[0])
+            .args(&SETPRIV[1..])
+            .arg("true")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+}
+
+/// A program on the PATH.
+fn found(program: &str) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    std::env::split_paths(&path).map(|folder| folder.join(program)).find(|file| {
+        file.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+    })
 }
 
 /// QEMU connects once it has started; if it ends before, it has said why.
@@ -276,5 +328,18 @@ impl Target for EmulatedChip {
             Act::Input(number, high) => self.command(&[b'I', *number, u8::from(*high)], left),
             Act::Leave(..) | Act::End => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsStr;
+
+    use super::*;
+
+    #[test]
+    fn a_comma_of_a_path_ends_no_option() {
+        let path = Path::new(OsStr::from_bytes(b"/a,b,,\xff.psram"));
+        assert_eq!(option("mem-path=", path).as_bytes(), b"mem-path=/a,,b,,,,\xff.psram");
     }
 }

@@ -1,6 +1,5 @@
 //! QEMU with an image of the firmware whose time runs: a module on a desk.
 
-use std::fs::File;
 use std::io::{self, Read, Write};
 use std::os::fd::{AsFd, AsRawFd};
 use std::os::unix::net::UnixStream;
@@ -8,10 +7,10 @@ use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
-use rustix::fs::{FlockOperation, flock};
 use rustix::io::{FdFlags, fcntl_setfd};
 
 use crate::chip::{self, Counting, EmulatorError};
+use crate::memory::{self, MemoryError};
 
 /// Why there is no module on a desk.
 #[derive(Debug, thiserror::Error)]
@@ -19,9 +18,9 @@ pub enum DeskError {
     /// There is no image to run.
     #[error("{0} is missing: `cargo xtask firmware` builds it")]
     Image(PathBuf),
-    /// Another chip has this memory.
-    #[error("{0} is in use by another process; end that, or name another file")]
-    Memory(PathBuf),
+    /// There is no such memory to be had.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// QEMU does not start.
     #[error(transparent)]
     Emulator(#[from] EmulatorError),
@@ -48,16 +47,20 @@ impl Harness {
 }
 
 impl DeskModule {
-    /// Starts an image whose flash and EEPROM are kept in a file, which is made if there is none. The line of the module's port
-    /// comes along, and the harness.
+    /// Starts an image whose flash and EEPROM are kept in a file, which is made if there is none and is refused if it is another
+    /// module's. The line of the module's port comes along, and the harness.
     ///
     /// # Errors
     /// [`DeskError`] where the image, its memory or QEMU is not to be had.
-    pub fn start(image: &Path, memory: &Path) -> Result<(Self, UnixStream, Harness), DeskError> {
+    pub fn start(
+        image: &Path,
+        module: &str,
+        memory: &Path,
+    ) -> Result<(Self, UnixStream, Harness), DeskError> {
         if !image.exists() {
             return Err(DeskError::Image(image.to_owned()));
         }
-        let lock = lock(memory)?;
+        let lock = memory::open(memory, module)?;
         let failure = |error| EmulatorError::File(memory.to_owned(), error);
         let (ours, theirs) = UnixStream::pair().map_err(failure)?;
         // QEMU gets the line, and the lock, which so lasts as long as it uses the memory.
@@ -70,7 +73,7 @@ impl DeskModule {
             .args(["-chardev", "stdio,id=harness,signal=off", "-serial", "chardev:harness"])
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            // A signal from the terminal is for us to hear, and QEMU ends with us.
+            // A signal from the terminal is for us to hear. We end QEMU, and where we are killed, the kernel does.
             .process_group(0)
             .spawn()
             .map_err(EmulatorError::Missing)?;
@@ -89,17 +92,6 @@ impl Drop for DeskModule {
     fn drop(&mut self) {
         let _ = self.qemu.kill();
         let _ = self.qemu.wait();
-    }
-}
-
-/// The memory's file, for one process at a time.
-fn lock(memory: &Path) -> Result<File, DeskError> {
-    let file = File::options().create(true).truncate(false).write(true).open(memory);
-    let file = file.map_err(|error| EmulatorError::File(memory.to_owned(), error))?;
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-        Ok(()) => Ok(file),
-        Err(rustix::io::Errno::WOULDBLOCK) => Err(DeskError::Memory(memory.to_owned())),
-        Err(error) => Err(EmulatorError::File(memory.to_owned(), error.into()).into()),
     }
 }
 

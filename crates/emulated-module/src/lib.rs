@@ -15,6 +15,7 @@
 mod bridge;
 mod chip;
 mod desk;
+mod memory;
 mod play;
 mod session;
 mod virtual_target;
@@ -22,6 +23,7 @@ mod virtual_target;
 pub use bridge::Bridge;
 pub use chip::{Counting, EmulatedChip, EmulatorError, Measured, QEMU, Stack};
 pub use desk::{DeskError, DeskModule, Harness};
+pub use memory::MemoryError;
 pub use play::{Target, play};
 pub use session::{Act, Line, Session, SessionError};
 pub use virtual_target::VirtualTarget;

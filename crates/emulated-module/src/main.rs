@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            tell(&format!("error: {error}"));
             ExitCode::from(CONNECTION)
         }
     }
@@ -56,12 +56,13 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     })
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
     let memory = memory(arguments)?;
-    let (_module, line, mut harness) = DeskModule::start(&image(&arguments.module), &memory).map_err(text)?;
-    eprintln!(
+    let (_module, line, mut harness) =
+        DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
+    tell(&format!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
         arguments.module,
         memory.display()
-    );
+    ));
     let mut bridge = Bridge::start(
         line,
         move || harness.client_left(),
@@ -90,6 +91,11 @@ fn listen(bridge: &mut Bridge, arguments: &Arguments) -> Result<(), String> {
         say(&format!("listening pty {}", path.display()))?;
     }
     Ok(())
+}
+
+/// A message; that nobody hears it is no reason to end.
+fn tell(message: &str) {
+    let _ = writeln!(io::stderr().lock(), "{message}");
 }
 
 fn say(line: &str) -> Result<(), String> {
