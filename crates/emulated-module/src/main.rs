@@ -1,4 +1,5 @@
 //! `emulated-module`: a module on an emulated chip, on ports. `cargo xtask firmware --run` builds and starts it.
+#![allow(clippy::disallowed_types, reason = "an edge: it listens")]
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -55,6 +56,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         let _ = asked.send(End::Asked);
     })
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
+    try_addresses(arguments)?;
     let memory = memory(arguments)?;
     let (_module, line, mut harness) =
         DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
@@ -76,6 +78,20 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         Ok(End::ChipGone) => Err("the emulated chip is gone: QEMU has ended".to_owned()),
         Ok(End::Asked) | Err(_) => Ok(()),
     }
+}
+
+/// Refuses what cannot be listened at before a chip is started for it.
+fn try_addresses(arguments: &Arguments) -> Result<(), String> {
+    let default = DEFAULT_ADDRESS.to_owned();
+    let unsaid = arguments.tcp.is_empty() && arguments.pty.is_empty();
+    for address in arguments.tcp.iter().chain(unsaid.then_some(&default)) {
+        std::net::TcpListener::bind(address)
+            .map_err(|error| format!("cannot listen on {address}: {error}"))?;
+    }
+    for path in &arguments.pty {
+        tmcl_server::Pty::open(path).map_err(text)?;
+    }
+    Ok(())
 }
 
 fn listen(bridge: &mut Bridge, arguments: &Arguments) -> Result<(), String> {
