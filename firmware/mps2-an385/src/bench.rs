@@ -25,7 +25,6 @@ use crate::psram::{self, Media};
 use crate::stack;
 use crate::systick::{CLOCK_HZ, Cycles, PERIOD};
 use crate::uart::Uart;
-use crate::wake::Alarm;
 
 /// Cycles of SysTick that control periods and bytes took.
 #[derive(Clone, Copy, Default)]
@@ -280,11 +279,12 @@ where
     }
 }
 
-/// How far virtual time may fall behind the clock before it slips, in cycles: 200 ms, as the host may let QEMU wait.
-const PATIENCE: u32 = CLOCK_HZ / 5;
+/// How far virtual time may fall behind the clock before it slips, in cycles: 20 ms, as the host may let QEMU wait. What is made up
+/// for at once must be far less than the silence within a datagram that makes a module forget it, 100 ms.
+const PATIENCE: u32 = CLOCK_HZ / 50;
 
-/// For how long no byte must have come before a client that left is taken to have said all, in cycles: 5 ms.
-const ALL_SAID: u32 = CLOCK_HZ / 200;
+/// For how long no byte must have come before a client that left is taken to have said all, in cycles: 50 ms.
+const ALL_SAID: u32 = CLOCK_HZ / 20;
 
 /// As a module on a desk: UART 0 is its port, and time is the clock's where the processor keeps up with it. The harness may say
 /// `X`: the client at the port has left; it is answered with `A` when the module has forgotten it.
@@ -295,7 +295,6 @@ where
 {
     let [port, ..] = PortId::ALL;
     let mut uart = Uart::tmcl();
-    let mut alarm = Alarm::set([&mut uart, &mut harness.0]);
     // A byte that found no room yet; the UART holds the next, and whoever sends it.
     let mut waiting = None;
     let mut last = module.cycles.now();
@@ -303,13 +302,11 @@ where
     // While a client leaves: for how long no byte has come.
     let mut leaving: Option<u32> = None;
     loop {
-        alarm.clear([&mut uart, &mut harness.0]);
         let now = module.cycles.now();
         let passed = module.cycles.between(last, now);
         due = PATIENCE.min(due + passed);
         last = now;
-        let is_due = due >= PERIOD;
-        if is_due {
+        if due >= PERIOD {
             due -= PERIOD;
             if !module.tick() {
                 due -= module.rest(u64::from(due / PERIOD)) as u32 * PERIOD;
@@ -330,9 +327,6 @@ where
             leaving = None;
             module.firmware.disconnect(port);
             harness.say(b"A");
-        }
-        if !is_due && came.is_none() && !module.firmware.has_output(port) {
-            alarm.sleep();
         }
     }
 }

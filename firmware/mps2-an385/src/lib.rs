@@ -15,7 +15,6 @@ pub mod psram;
 pub mod stack;
 pub mod systick;
 pub mod uart;
-mod wake;
 
 pub use bench::run_bench;
 pub use memory::Exchange;

@@ -8,14 +8,11 @@ pub struct Uart {
 const DATA: usize = 0;
 const STATE: usize = 1;
 const CONTROL: usize = 2;
-const INTERRUPT_CLEAR: usize = 3;
 const BAUD_DIVIDER: usize = 4;
 
 const STATE_TX_FULL: u32 = 1;
 const STATE_RX_FULL: u32 = 2;
 const CONTROL_TX_RX: u32 = 3;
-const CONTROL_RX_INTERRUPT: u32 = 8;
-const INTERRUPTS_TX_RX: u32 = 3;
 
 /// 25 MHz / 217 = 115 207 bit/s.
 const DIVIDER_115200: u32 = 217;
@@ -55,15 +52,6 @@ impl Uart {
     pub fn send(&mut self, byte: u8) {
         while !self.has_room() {}
         self.write(DATA, byte.into());
-    }
-
-    /// From now on there is an interrupt for every byte that comes in.
-    pub(crate) fn ask_for_interrupts(&mut self) {
-        self.write(CONTROL, CONTROL_TX_RX | CONTROL_RX_INTERRUPT);
-    }
-
-    pub(crate) fn clear_interrupts(&mut self) {
-        self.write(INTERRUPT_CLEAR, INTERRUPTS_TX_RX);
     }
 
     fn read(&self, register: usize) -> u32 {
