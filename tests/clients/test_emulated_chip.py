@@ -219,18 +219,6 @@ def test_what_is_stored_outlives_the_process(start: Callable[[str, str], Server]
         assert not Path(link).is_symlink()
 
 
-def test_what_a_client_leaves_is_forgotten(start: Callable[[str, str], Server], target: str) -> None:
-    """Half a datagram, and ASCII mode, are not the next client's."""
-    port = start(target, "tmcm-1640").port("tcp")
-    version = datagram(TMCLCommand.GET_FIRMWARE_VERSION, 1)
-    for left in (version[:5], datagram(139)):
-        with port.open_raw() as line:
-            line.write(left)
-        with port.open_raw() as line:
-            line.write(version)
-            assert line.read(9)[:4] == bytes([2, 1, 100, TMCLCommand.GET_FIRMWARE_VERSION])
-
-
 def test_a_killed_one_leaves_nothing_behind(start: Callable[[str, str], Server], link: str) -> None:
     """Killed without a chance to end QEMU, it lets go of the memory, where what was stored is."""
     name = "tmcm-1311"

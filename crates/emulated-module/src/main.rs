@@ -58,7 +58,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
     try_addresses(arguments)?;
     let memory = memory(arguments)?;
-    let (_module, line, mut harness) =
+    let (_module, line, _harness) =
         DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
     tell(&format!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
@@ -67,7 +67,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     ));
     let mut bridge = Bridge::start(
         line,
-        move || harness.client_left(),
+        || {},
         move || {
             let _ = end.send(End::ChipGone);
         },
