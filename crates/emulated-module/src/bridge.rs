@@ -2,7 +2,7 @@
 //!
 //! What a client sends goes to the chip, and what the chip says goes to the client that sent last. Another client waits until
 //! the line was silent for [`TURN`]: so each gets the replies to its own requests and none to another's, as with lines of their
-//! own. A client that is gone, or does not read, holds up nobody; the chip is told when the one that sent last has gone.
+//! own. A client that is gone, or does not read, holds up nobody.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -36,23 +36,17 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// The chip's end of the line is the other one of `chip`. `client_left` is called when the client that sent last has gone,
-    /// and nobody sends until it returns; `ended` when the chip has gone.
+    /// The chip's end of the line is the other one of `chip`. `ended` is called when the chip has gone.
     ///
     /// # Errors
     /// The system's, when it has no further handle.
-    pub fn start(
-        chip: UnixStream,
-        client_left: impl FnMut() + Send + 'static,
-        ended: impl FnOnce() + Send + 'static,
-    ) -> io::Result<Self> {
+    pub fn start(chip: UnixStream, ended: impl FnOnce() + Send + 'static) -> io::Result<Self> {
         let mut reader = chip.try_clone()?;
         let line = Arc::new(Line {
             chip,
             turns: Mutex::default(),
             silent: Condvar::new(),
             stopping: AtomicBool::new(false),
-            client_left: Mutex::new(Box::new(client_left)),
         });
         let heard = Arc::clone(&line);
         std::thread::spawn(move || {
@@ -124,8 +118,6 @@ struct Line {
     /// Told when a client has sent all it had.
     silent: Condvar,
     stopping: AtomicBool,
-    /// Tells the chip that a client has gone.
-    client_left: Mutex<Box<dyn FnMut() + Send>>,
 }
 
 /// Who is there, and whose turn it is.
@@ -198,38 +190,18 @@ impl Line {
             }
             // While the chip does not read, this waits; what it says meanwhile goes out.
             let sent = (&self.chip).write_all(bytes);
-            self.end_turn(Some(client));
+            let mut turns = self.turns();
+            turns.sending = false;
+            turns.used = Some(Instant::now());
+            drop(turns);
+            self.silent.notify_all();
             if sent.is_err() {
                 break;
             }
         }
-        self.leave(client);
-    }
-
-    fn leave(&self, client: u64) {
-        let mut turns = self.turns();
-        let left = turns.clients.remove(&client);
-        let last = turns.holder == Some(client) && !turns.sending && !self.is_stopping();
-        turns.sending |= last;
-        drop(turns);
-        if last {
-            // With nobody waiting for it: the chip may be slow.
-            self.client_left.lock().unwrap_or_else(PoisonError::into_inner)();
-            self.end_turn(None);
-        }
-        if let Some(client) = left {
+        if let Some(client) = self.turns().clients.remove(&client) {
             client.hang_up();
         }
-    }
-
-    /// Whoever had the turn has sent all it had.
-    fn end_turn(&self, holder: Option<u64>) {
-        let mut turns = self.turns();
-        turns.sending = false;
-        turns.holder = holder;
-        turns.used = Some(Instant::now());
-        drop(turns);
-        self.silent.notify_all();
     }
 
     fn take_turn(&self, client: u64) {

@@ -22,7 +22,7 @@ mod virtual_target;
 
 pub use bridge::Bridge;
 pub use chip::{Counting, EmulatedChip, EmulatorError, Measured, QEMU, Stack};
-pub use desk::{DeskError, DeskModule, Harness};
+pub use desk::{DeskError, DeskModule};
 pub use memory::MemoryError;
 pub use play::{Target, play};
 pub use session::{Act, Line, Session, SessionError};

@@ -58,20 +58,16 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     .map_err(|error| format!("cannot wait for signals: {error}"))?;
     try_addresses(arguments)?;
     let memory = memory(arguments)?;
-    let (_module, line, _harness) =
+    let (_module, line) =
         DeskModule::start(&image(&arguments.module), &arguments.module, &memory).map_err(text)?;
     tell(&format!(
         "note: {} on an emulated chip; it keeps what it stores in {}",
         arguments.module,
         memory.display()
     ));
-    let mut bridge = Bridge::start(
-        line,
-        || {},
-        move || {
-            let _ = end.send(End::ChipGone);
-        },
-    )
+    let mut bridge = Bridge::start(line, move || {
+        let _ = end.send(End::ChipGone);
+    })
     .map_err(text)?;
     listen(&mut bridge, arguments)?;
     match ended.recv() {

@@ -21,7 +21,7 @@ fn echo() -> (Bridge, UnixStream, Receiver<()>) {
     let (mut reader, mut writer) = (chip.try_clone().unwrap(), chip.try_clone().unwrap());
     std::thread::spawn(move || std::io::copy(&mut reader, &mut writer));
     let (end, ended) = channel();
-    let bridge = Bridge::start(line, || {}, move || end.send(()).unwrap()).unwrap();
+    let bridge = Bridge::start(line, move || end.send(()).unwrap()).unwrap();
     (bridge, chip, ended)
 }
 
@@ -132,33 +132,4 @@ fn a_taken_path_and_a_taken_address_are_refused() {
     );
     let address = bridge.listen_tcp("127.0.0.1:0").unwrap();
     assert_eq!(bridge.listen_tcp(&address.to_string()).unwrap_err().kind(), std::io::ErrorKind::AddrInUse);
-}
-
-/// The next client's bytes wait until the chip has forgotten the last one.
-#[test]
-fn the_chip_is_told_that_a_client_has_gone() {
-    let (line, mut chip) = UnixStream::pair().unwrap();
-    let (leave, left) = channel();
-    let (forget, forgotten) = channel::<()>();
-    let client_left = move || {
-        leave.send(()).unwrap();
-        forgotten.recv().unwrap();
-    };
-    let mut bridge = Bridge::start(line, client_left, || {}).unwrap();
-    let address = bridge.listen_tcp("127.0.0.1:0").unwrap();
-    let mut byte = [0];
-    TcpStream::connect(address).unwrap().write_all(&[1]).unwrap();
-    chip.read_exact(&mut byte).unwrap();
-    left.recv().unwrap();
-    let mut next = TcpStream::connect(address).unwrap();
-    next.write_all(&[2]).unwrap();
-    chip.set_nonblocking(true).unwrap();
-    assert_eq!(chip.read(&mut byte).unwrap_err().kind(), std::io::ErrorKind::WouldBlock);
-    chip.set_nonblocking(false).unwrap();
-    forget.send(()).unwrap();
-    chip.read_exact(&mut byte).unwrap();
-    assert_eq!(byte, [2]);
-    // One that never sent is nobody's loss.
-    drop(TcpStream::connect(address).unwrap());
-    assert!(left.try_recv().is_err());
 }

@@ -271,7 +271,7 @@ where
                 harness.numbers(b'M', &[periods, total, longest, longest_at, longest_byte, longest_work]);
             }
             b'K' => harness.numbers(b'K', &[stack::used(), stack::size()]),
-            b'F' => run_freely(module, harness),
+            b'F' => run_freely(module),
             _ => continue,
         }
         harness.say(b"A");
@@ -283,12 +283,8 @@ where
 /// for at once must be far less than the silence within a datagram that makes a module forget it, 100 ms.
 const PATIENCE: u32 = CLOCK_HZ / 50;
 
-/// For how long no byte must have come before a client that left is taken to have said all, in cycles: 50 ms.
-const ALL_SAID: u32 = CLOCK_HZ / 20;
-
-/// As a module on a desk: UART 0 is its port, and time is the clock's where the processor keeps up with it. The harness may say
-/// `X`: the client at the port has left; it is answered with `A` when the module has forgotten it.
-fn run_freely<A, H>(mut module: Module<A, H>, mut harness: Harness) -> !
+/// As a module on a desk: UART 0 is its port, and time is the clock's where the processor keeps up with it.
+fn run_freely<A, H>(mut module: Module<A, H>) -> !
 where
     A: Axis,
     H: Hardware<Sensed = A::Sensed, Drive = A::Drive> + Surroundings,
@@ -299,12 +295,9 @@ where
     let mut waiting = None;
     let mut last = module.cycles.now();
     let mut due = 0;
-    // While a client leaves: for how long no byte has come.
-    let mut leaving: Option<u32> = None;
     loop {
         let now = module.cycles.now();
-        let passed = module.cycles.between(last, now);
-        due = PATIENCE.min(due + passed);
+        due = PATIENCE.min(due + module.cycles.between(last, now));
         last = now;
         if due >= PERIOD {
             due -= PERIOD;
@@ -312,21 +305,11 @@ where
                 due -= module.rest(u64::from(due / PERIOD)) as u32 * PERIOD;
             }
         }
-        let came = waiting.take().or_else(|| uart.receive());
-        waiting = came.filter(|byte| !module.receive(port, *byte));
+        waiting = waiting.or_else(|| uart.receive()).filter(|byte| !module.receive(port, *byte));
         while uart.has_room()
             && let Some(byte) = module.transmit(port)
         {
             uart.send(byte);
-        }
-        if harness.0.receive() == Some(b'X') {
-            leaving = Some(0);
-        }
-        leaving = leaving.map(|quiet| if came.is_some() { 0 } else { quiet.saturating_add(passed) });
-        if leaving.is_some_and(|quiet| quiet >= ALL_SAID) {
-            leaving = None;
-            module.firmware.disconnect(port);
-            harness.say(b"A");
         }
     }
 }
